@@ -1,0 +1,3 @@
+# Every example builds.
+. tests/check/common.sh
+attempt examples make -s examples BUILD="$work/build"

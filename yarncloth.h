@@ -1,0 +1,10129 @@
+/* yarncloth.h - cloth at the level a scene needs: triangles, yarns, or both mixed in one garment.   v0.1.0
+ *
+ * One C99 file, no dependency but libm. Public domain or MIT, as you like: see the end of this file.
+ *
+ *   In one source file:      #define YARNCLOTH_IMPLEMENTATION
+ *                            #include "yarncloth.h"
+ *   Everywhere else:         #include "yarncloth.h"
+ *
+ * DOES NOT (yet): knits, yarn pull-out and breaking, crimp in the mechanics, homogenised volumes, GPU, single
+ * precision, changing the yarn region while a scene runs, contact of yarns inside one layer beyond what the weave
+ * itself gives.
+ *
+ * HELLO. A 20 cm swatch, held at two corners, swings for a second; see examples/hello.c, which is this text:
+ *
+ *     #define YARNCLOTH_IMPLEMENTATION
+ *     #include "yarncloth.h"
+ *     #include <stdio.h>
+ *
+ *     enum { N = 11 }; // vertices along a side
+ *
+ *     int main(void) {
+ *         static double position[N * N][3], uv[N * N][2];
+ *         static int triangle[2 * (N - 1) * (N - 1)][3];
+ *         char why[YC_MESSAGE_SIZE];
+ *         yc_scene_desc settings = yc_scene_desc_default();
+ *         yc_cloth_desc swatch = yc_cloth_desc_default();
+ *         yc_scene *scene;
+ *         int i, x, y, t = 0, cloth;
+ *
+ *         for (i = 0; i < N * N; i++) { // a square of 20 cm, flat, 1 m above the ground
+ *             position[i][0] = uv[i][0] = 0.02 * (i % N), uv[i][1] = 0.02 * (i / N);
+ *             position[i][1] = 1.0, position[i][2] = -uv[i][1];
+ *         }
+ *         for (y = 0; y + 1 < N; y++)
+ *             for (x = 0; x + 1 < N; x++, t += 2) {
+ *                 int a = y * N + x, b = a + 1, c = a + N, d = c + 1;
+ *                 triangle[t][0] = a, triangle[t][1] = b, triangle[t][2] = d;
+ *                 triangle[t + 1][0] = a, triangle[t + 1][1] = d, triangle[t + 1][2] = c;
+ *             }
+ *         swatch.mesh.vertex_count = swatch.mesh.uv_count = N * N, swatch.mesh.triangle_count = t;
+ *         swatch.mesh.positions = position, swatch.mesh.uv = uv, swatch.mesh.triangles = triangle;
+ *
+ *         if (yc_scene_create(NULL, &settings, &scene, why) != YC_OK) return puts(why), 1;
+ *         yc_scene_add_cloth(scene, &swatch, &cloth);
+ *         yc_scene_pin(scene, cloth, YC_VERTEX, 0, NULL);
+ *         yc_scene_pin(scene, cloth, YC_VERTEX, N - 1, NULL);
+ *         for (i = 0; i < 100; i++)
+ *             if (yc_scene_step(scene, 0.01, NULL) != YC_OK) return puts(yc_scene_message(scene)), 1;
+ *         yc_scene_positions(scene, cloth, YC_VERTEX, position);
+ *         printf("the free corner hangs %.3f m below the pins\n", 1.0 - position[N * N - 1][1]);
+ *         yc_scene_destroy(scene);
+ *         return 0;
+ *     }
+ *
+ * THE IDEA. A cloth is a triangle mesh whose UVs are its sewing pattern, in metres. yc_weave() lays yarns over that
+ * pattern. A blending field alpha, one number per vertex, says where the yarns act: 0 triangles alone, 1 yarns alone,
+ * in between both at once (Casafranca et al. 2020, "Mixing Yarns and Triangles in Cloth Simulation", called MIX below;
+ * the yarn model is Cirio et al. 2014 and 2017, the latter called YARN). So the same swatch runs as triangles, as yarns
+ * or mixed by changing the descriptor alone.
+ *
+ * UNITS. SI throughout: m, kg, s, N, rad. Positions are double[3], y is up in the examples but nowhere assumed.
+ *
+ * ERRORS. A function that can fail returns a yc_result: YC_OK or a negative code, and then nothing has changed. The
+ * reason, naming the field, the index and the value, is in yc_scene_message() or in the message buffer passed. The
+ * library never aborts, prints or touches files.
+ *
+ * THREADS. No globals: two scenes in two threads just work. One scene may be used by one thread at a time; inside, it
+ * runs host.parallel_for. Results are the same bits for any number of workers, in one build on one machine.
+ *
+ * MACROS. YARNCLOTH_IMPLEMENTATION as above; YC_API in front of public functions (extern by default; define it as
+ * static for a private copy). Do not compile with -ffast-math: the file refuses it.
+ *
+ * CONTENTS. Search for the tag. Declarations first, complete with their documentation; stop reading where they end
+ * if you only want to use the library. A chapter of the implementation calls only chapters above it.
+ *
+ *   >>api        what users see
+ *   >>host       chapter 1: results, messages, memory, parallel loops
+ *   >>vec        chapter 2: vectors of three, the one-sided law
+ *   >>dense      chapter 3: LU with partial pivoting, small blocks
+ *   >>sparse     chapter 4: block matrices, ordering, LDL^T, incomplete factor
+ *   >>fabric     chapter 5: weaves laid over a sewing pattern, seam rods
+ *   >>yarn       chapter 6: elements of the persistent-contact yarn model
+ *   >>triangle   chapter 7: membrane and hinge elements
+ *   >>contact    chapter 8: bodies, pairs, penalty and friction
+ *   >>mixed      chapter 9: the embedding B, the kinematic filter F, the blended mass
+ *   >>solve      chapter 10: MPCG and its preconditioners, direct solves
+ *   >>scene      chapter 11: what the user holds: build, Newton, step, state
+ *   >>output     chapter 12: curves, tubes, subdivided mesh
+ *   >>region     chapter 14: where yarns go
+ */
+
+#ifndef YARNCLOTH_H
+#define YARNCLOTH_H
+
+#include <stddef.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* =====================================================================================================================
+ * >>api
+ * ===================================================================================================================== */
+
+#define YC_VERSION_MAJOR 0
+#define YC_VERSION_MINOR 1
+#define YC_VERSION_PATCH 0
+#define YC_VERSION "0.1.0"
+
+#ifndef YC_API
+#define YC_API extern
+#endif
+
+/* The version of the compiled implementation, to compare with YC_VERSION of the header. */
+YC_API const char *yc_version(void);
+
+/* ---- results and host ------------------------------------------------------------------------------------------ */
+
+#define YC_MESSAGE_SIZE 256 /* bytes of a message, with its final zero */
+
+typedef enum yc_result {
+    YC_OK = 0,
+    YC_ERROR_ARGUMENT = -1, /* a field, index or value out of its range; the message names it */
+    YC_ERROR_MEMORY = -2,   /* the host's allocator returned NULL */
+    YC_ERROR_TOPOLOGY = -3, /* a mesh or network that is not sound: winding, non-manifold edges, order of u */
+    YC_ERROR_NOT_SPD = -4,  /* a matrix that must be positive definite is not */
+    YC_ERROR_SINGULAR = -5, /* a matrix without an inverse, to rounding */
+    YC_ERROR_DIVERGED = -6, /* a step did not converge even at dt_min */
+    YC_ERROR_PARSE = -7,    /* text that does not follow its format, or a saved state of another scene */
+    YC_ERROR_CANCELLED = -8 /* host.progress returned nonzero */
+} yc_result;
+
+/* "YC_OK" and so on; never NULL. */
+YC_API const char *yc_result_name(yc_result result);
+
+/* What the library asks of its host. A zeroed yc_host is legal and means malloc, one thread (OpenMP's where compiled
+ * with it) and silence. The struct is copied; what `user` points to must outlive the objects made with it. */
+typedef struct yc_host {
+    void *user; /* handed to every callback */
+    /* Memory, 16-byte aligned, NULL when there is none. Both or neither. `size` is the one asked for. Never called from
+     * inside parallel_for. */
+    void *(*alloc)(size_t size, void *user);
+    void (*free)(void *block, size_t size, void *user);
+    /* Calls task(context, 0 .. count-1), in any order, on any threads, and returns when all are done. */
+    void (*parallel_for)(void *user, void (*task)(void *context, int index), void *context, int count);
+    /* One line of text for a person, without a newline. */
+    void (*log)(void *user, const char *text);
+    /* Called between the parts of a long call with the share done so far, 0 to 1. Nonzero cancels the call: it returns
+     * YC_ERROR_CANCELLED with nothing changed. */
+    int (*progress)(void *user, double fraction);
+} yc_host;
+
+/* ---------------------------------------------------------------------------------------------------------------------
+ * Linear solvers
+ *
+ * Both kinds of factor are made once per size or pattern, factored any number of times and solved with any number of
+ * times; only making one allocates. Numbers have whatever units the caller's matrix has. Different objects may be used
+ * by different threads at the same time; one object by one thread at a time, unless a function says otherwise. Results
+ * are the same bits for any worker count of host.parallel_for. A host of NULL means malloc, one thread, silence. A
+ * function that makes an object and fails leaves *out NULL and says why through host.log.
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* Dense LU with partial pivoting, P A = L U. */
+typedef struct yc_lu yc_lu;
+
+/* Makes room for matrices of n x n, n >= 0: n * n + O(n) numbers. Errors: YC_ERROR_ARGUMENT (n < 0, host with only one
+ * of alloc and free), YC_ERROR_MEMORY. */
+YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out);
+
+/* Factors a, n x n by rows, row i starting at a + i * lda, lda >= n; a is left untouched. Errors: YC_ERROR_ARGUMENT (a
+ * NULL, lda too small, an entry not finite; the previous factor stays), YC_ERROR_SINGULAR (a column in which no
+ * pivot is left; the message names it; there is no factor then). A matrix that is singular but for rounding passes:
+ * ask yc_lu_rcond. */
+YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda);
+
+/* Solves A x = b, or A' x = b, for `count` right-hand sides: x[k * ldx + i] holds entry i of b number k and receives
+ * that of the solution; ldx >= n. YC_ERROR_ARGUMENT, with x untouched, when there is no factor or an argument is out
+ * of range. Several threads may solve with one factor at the same time. */
+YC_API yc_result yc_lu_solve(const yc_lu *lu, double *x, int count, int ldx);
+YC_API yc_result yc_lu_solve_transposed(const yc_lu *lu, double *x, int count, int ldx);
+
+/* An estimate of 1 / (|A| |inverse(A)|) in the 1-norm, practically always within a factor of 3 of the truth: 1 is
+ * perfect, below 1e-15 solutions mean nothing. Costs a few solves. 0 when there is no factor. Uses the object's
+ * workspace, so one thread at a time. */
+YC_API double yc_lu_rcond(const yc_lu *lu);
+
+/* Why the last yc_lu_factor failed, in words; never NULL. Valid until the next call with this object. */
+YC_API const char *yc_lu_message(const yc_lu *lu);
+
+/* NULL is fine. */
+YC_API void yc_lu_destroy(yc_lu *lu);
+
+/* Sparse direct factorisation of a symmetric matrix, P A P' = L D L'. */
+typedef struct yc_chol yc_chol;
+
+typedef enum yc_chol_kind {
+    YC_CHOL_SPD = 1, /* symmetric positive definite; anything else is reported */
+    /* Indefinite, but stable in any order once each node's block is inverted with pivoting: [[H G'],[G -C]] with
+     * positive definite H and C, or with nodes that pair the two, so that H or C may be singular. A general indefinite
+     * matrix may lose accuracy: check residuals. */
+    YC_CHOL_QUASIDEFINITE = 2
+} yc_chol_kind;
+
+typedef struct yc_chol_options {
+    yc_chol_kind kind; /* default YC_CHOL_SPD */
+    /* Unknowns per node, 1 to 8; n must be a multiple. Unknowns b*i to b*i+b-1 form node i and are eliminated together,
+     * which is faster when they share their pattern. Default 1. */
+    int block;
+    /* n / block nodes: the node eliminated k-th; read during the analysis only. Default NULL: minimum degree. */
+    const int *order;
+} yc_chol_options;
+
+/* Fills in the defaults. Options that were not filled in, with a block of 0, are refused. */
+YC_API void yc_chol_options_default(yc_chol_options *options);
+
+typedef struct yc_chol_statistics {
+    double nonzeros; /* numbers in L with its diagonal, with the padding of supernodes */
+    double flops;    /* additions and multiplications of one factorisation */
+    int supernodes;
+    size_t bytes; /* memory of the object */
+} yc_chol_statistics;
+
+/* Analyses the pattern of an n x n matrix in compressed rows: the columns of row i are col[ptr[i]] to col[ptr[i+1]-1],
+ * ascending, without duplicates; either the lower triangle alone or the full symmetric pattern. A diagonal entry that
+ * is missing counts as zero. Nothing of the arguments is kept but the host. options NULL: defaults. Errors:
+ * YC_ERROR_ARGUMENT (sizes, options, a pattern that is out of range, unsorted, duplicate or unsymmetric),
+ * YC_ERROR_MEMORY. */
+YC_API yc_result yc_chol_analyze(
+    const yc_host *host, int n, const int *ptr, const int *col, const yc_chol_options *options, yc_chol **out);
+
+/* Factors the matrix with values[k] at (row, col[k]). Values above the diagonal are not read. Allocates nothing.
+ * Errors: YC_ERROR_ARGUMENT (a value not finite; the previous factor stays), YC_ERROR_NOT_SPD (kind YC_CHOL_SPD: a
+ * pivot is not positive, or lost to rounding), YC_ERROR_SINGULAR (the other kind: a pivot block is singular to working
+ * precision). The message names the node; after these two there is no factor until the next success. */
+YC_API yc_result yc_chol_factor(yc_chol *chol, const double *values);
+
+/* Solves A x = b for `count` right-hand sides x[k * ldx + i], in place, ldx >= n. Up to four are solved in one pass
+ * over the factor. YC_ERROR_ARGUMENT, with x untouched, when there is no factor or an argument is out of range. Uses
+ * the object's workspace, so one thread at a time. */
+YC_API yc_result yc_chol_solve(const yc_chol *chol, double *x, int count, int ldx);
+
+/* Sizes known from the analysis. */
+YC_API yc_result yc_chol_stats(const yc_chol *chol, yc_chol_statistics *out);
+
+/* Why the last yc_chol_factor failed, in words; never NULL. Valid until the next call with this object. */
+YC_API const char *yc_chol_message(const yc_chol *chol);
+
+/* NULL is fine. */
+YC_API void yc_chol_destroy(yc_chol *chol);
+
+/* ---- materials -------------------------------------------------------------------------------------------------- */
+
+/* A yarn. Stretch and bending are separate inputs: a solid rod of the same thickness is 30 to 100 times stiffer in
+ * bending than a real yarn. Defaults: a 15 tex cotton yarn of a shirting. All values finite. */
+typedef struct yc_yarn_material {
+    double stretch;     /* EA, N; > 0; default 50 */
+    double bending;     /* EI, N m^2; >= 0; default 3e-9 */
+    double density;     /* kg/m (1 tex = 1e-6 kg/m), > 0; default 15e-6. It carries the factor 1 + crimp: see below */
+    double radius;      /* m, > 0; default 72e-6 */
+    double shear;       /* k_x, N: resistance of a crossing against turning; >= 0; default 4e-3 */
+    double shear_limit; /* rad from the rest angle at which neighbouring yarns jam; (0, pi/2]; default 0.9 */
+    double contact;     /* k_c, N: resistance of neighbouring parallel yarns pressed together; >= 0; default 1 */
+    double friction;    /* Coulomb coefficient between crossing yarns; [0, 10]; default 0.3 */
+    double slide;       /* k_f, N/m: stiffness of the anchored friction spring; > 0; default 100 */
+} yc_yarn_material;
+YC_API yc_yarn_material yc_yarn_material_default(void);
+
+/* A sheet of triangles, orthotropic along the grain: 1 is the weft (u of the pattern), 2 the warp (v). Density of the
+ * membrane energy, per area,
+ * 1/2 (stretch[0] E11^2 + stretch[1] E22^2 + 2 coupling E11 E22 + shear (2 E12)^2), E Green's strain. */
+typedef struct yc_triangle_material {
+    double density;    /* kg/m^2; > 0; default 0.12. Not used where yarns are laid: they give the mass */
+    double stretch[2]; /* N/m, along u and v; > 0; default 2000, 2000 */
+    double coupling;   /* N/m; |coupling| < sqrt(stretch[0] stretch[1]); default 0 */
+    double shear;      /* N/m; > 0; default 60 */
+    double bending;    /* flexural rigidity per width, N m; >= 0; default 8e-6 */
+} yc_triangle_material;
+YC_API yc_triangle_material yc_triangle_material_default(void);
+
+/* ---- meshes and yarn networks ---------------------------------------------------------------------------------- */
+
+/* A triangle mesh as the caller holds it. A UV island is a pattern piece, so a garment is an OBJ whose UVs are its
+ * sewing pattern in metres. Triangles are wound consistently, on the mesh and in UV (positive UV area). */
+typedef struct yc_mesh {
+    int vertex_count;
+    const double (*positions)[3]; /* [vertex_count], m */
+    int triangle_count;
+    const int (*triangles)[3]; /* [triangle_count], vertex indices */
+    int uv_count;
+    const double (*uv)[2];        /* [uv_count], m */
+    const int (*uv_triangles)[3]; /* [triangle_count], indices into uv; NULL: `triangles` serves */
+} yc_mesh;
+
+/* Families of yarns. */
+#define YC_WARP 0 /* runs along v of the pattern (turned by the grain) */
+#define YC_WEFT 1 /* runs along u */
+#define YC_ROD 2  /* runs along a seam and holds the yarns that end there */
+
+/* A yarn network as plain arrays. A yarn is a sequence of visits (node, arc length u), u strictly increasing. A node
+ * visited by two yarns is a crossing. Made by yc_weave() or filled in by the caller (then the arrays are the caller's,
+ * `owner` is NULL and yc_yarns_destroy does nothing). */
+typedef struct yc_yarns {
+    int node_count;
+    double (*layout)[3];  /* [node_count], m: rest positions, flat: the pattern's (u, v, 0) */
+    int *triangle;        /* [node_count], the mesh triangle that carries the node; NULL without a mesh */
+    double (*weights)[3]; /* [node_count], barycentric weights there, sum 1; NULL without a mesh */
+    int yarn_count;
+    int *yarn_first;            /* [yarn_count + 1], first visit of each yarn; the last entry is visit_count */
+    unsigned char *yarn_family; /* [yarn_count], YC_WARP, YC_WEFT or YC_ROD */
+    int *yarn_material;         /* [yarn_count], index into materials */
+    int visit_count;
+    int *visit_node;           /* [visit_count] */
+    double *visit_u;           /* [visit_count], m, strictly increasing along a yarn */
+    signed char *visit_layer;  /* [visit_count], +1 the upper yarn at a crossing, -1 the lower, 0 alone */
+    unsigned char *visit_held; /* [visit_count], nonzero: u is a label and never slides (ends, rods, lone visits) */
+    int material_count;
+    yc_yarn_material *materials; /* [material_count] */
+    void *owner;                 /* the library's own; NULL: the caller's arrays */
+} yc_yarns;
+
+/* A weave. The draft is read like a weaver's draw-down: draft[r * repeat[0] + c] nonzero: warp c passes over weft r. */
+typedef struct yc_weave_desc {
+    unsigned cookie;            /* set by yc_weave_desc_default() */
+    double spacing[2];          /* m: between neighbouring warp yarns (along u), between weft yarns (along v); > 0;
+                                   default 2.5e-3 */
+    int repeat[2];              /* columns (warps) and rows (wefts) of the draft; >= 1; default 2, 2 */
+    const unsigned char *draft; /* [repeat[1] * repeat[0]]; NULL: plain weave; default NULL */
+    yc_yarn_material warp, weft;
+    yc_yarn_material rod; /* along welded seams of a mesh; rod.density = 0: no rods. Default: the yarn's, twice
+                                   as heavy */
+    double grain;         /* rad, turns the yarns against the pattern's axes, counter-clockwise; default 0 */
+    double size[2];       /* m, width and height of the cloth when no mesh is given; default 0.2, 0.2 */
+} yc_weave_desc;
+YC_API yc_weave_desc yc_weave_desc_default(void);
+
+/* Lays a weave over every UV island of `mesh` (clipped exactly at the island's outline, tied to a rod along every edge
+ * where two islands are welded), or over a rectangle [0,w] x [0,h] of its own when mesh is NULL.
+ * desc     not NULL; mesh  NULL, or a mesh with a UV area > 0 in every triangle
+ * out      receives the network; untouched on failure; free with yc_yarns_destroy
+ * message  NULL or YC_MESSAGE_SIZE bytes for the reason of a failure
+ * Errors: ARGUMENT, TOPOLOGY, MEMORY. Cost: linear in triangles and crossings. */
+YC_API yc_result yc_weave(
+    const yc_host *host, const yc_weave_desc *desc, const yc_mesh *mesh, yc_yarns *out, char *message);
+
+/* Checks a network: indices, order of u, weights, materials, at most two visits a node. yc_cloth creation calls it.
+ * mesh NULL: triangle and weights are not looked at. */
+YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char *message);
+
+/* Frees what yc_weave made and zeroes the struct. NULL is fine; a caller's own network is left alone. */
+YC_API void yc_yarns_destroy(yc_yarns *yarns);
+
+/* The triangle material that stretches, shears, bends and weighs like the weave does when straight (no crimp): stretch
+ * EA/spacing, shear 4 k_x/spacing summed over both families' halves, bending EI/spacing, density as laid. */
+YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc);
+
+/* ---- scene ------------------------------------------------------------------------------------------------------ */
+
+typedef struct yc_scene yc_scene;
+
+typedef enum yc_solver {
+    YC_SOLVER_AUTO = 0,      /* direct without hybrid nodes, else YC_SOLVER_TWO_LEVEL */
+    YC_SOLVER_DIRECT,        /* sparse LDL^T; not for scenes with hybrid nodes */
+    YC_SOLVER_TWO_LEVEL,     /* MPCG: incomplete factor of the yarns, the mesh as coarse space; needs a mesh */
+    YC_SOLVER_NONE,          /* MPCG of MIX without preconditioner */
+    YC_SOLVER_MASS_DIAGONAL, /* MPCG with the mass diagonal, filtered on both sides */
+    YC_SOLVER_MASS,          /* MPCG with the preconditioner P of MIX (12), in its sparse form */
+    YC_SOLVER_MASS_DENSE     /* the same P by Sherman-Morrison-Woodbury and a dense LU, as in MIX; for comparison */
+} yc_solver;
+
+/* Presets of tolerances and step limits together. */
+typedef enum yc_preset { YC_PREVIEW, YC_DEFAULT, YC_REFERENCE } yc_preset;
+
+typedef struct yc_scene_desc {
+    unsigned cookie;          /* set by yc_scene_desc_preset() */
+    double gravity[3];        /* m/s^2; default 0, -9.81, 0 */
+    double dt_max;            /* s, longest sub-step; > 0; preview 1/60, default 5e-3, reference 1e-3 */
+    double dt_min;            /* s, shortest before a step is given up; (0, dt_max]; default 1e-6 */
+    double tolerance;         /* m: Newton stops when its largest correction is below; > 0; preview 1e-4, default
+                                 1e-5, reference 1e-8 */
+    int newton_limit;         /* Newton iterations of a sub-step before it is halved; >= 1; default 40 */
+    yc_solver solver;         /* default YC_SOLVER_AUTO */
+    double linear_tolerance;  /* MPCG stops at this share of the starting residual, in the preconditioner's norm; (0,
+                                 1); default 1e-3, reference 1e-6 */
+    int linear_limit;         /* MPCG iterations; >= 1; default 2000. Reaching it is no error: the line search judges
+                                 the step */
+    double stiffness_damping; /* s, Rayleigh's beta, on strain rates: rigid motion is undamped; >= 0; default 0 */
+    double mass_damping;      /* 1/s, Rayleigh's alpha; >= 0; default 0 */
+    double contact_stiffness; /* N/m of penetration, per point; > 0; default 200 */
+    double thickness;         /* m, at which triangles feel bodies, and half of what they keep between each other; >
+                                 0; default 1.5e-3 */
+    double slip_speed;        /* m/s below which Coulomb friction acts like a viscous brake; > 0; default 1e-3 */
+    int self_contact;         /* nonzero: cloth against cloth; default 0 */
+    double self_friction;     /* Coulomb coefficient of cloth on cloth; [0, 10]; default 0.2 */
+} yc_scene_desc;
+YC_API yc_scene_desc yc_scene_desc_preset(yc_preset preset);
+YC_API yc_scene_desc yc_scene_desc_default(void); /* YC_DEFAULT */
+
+typedef struct yc_cloth_desc {
+    unsigned cookie;                   /* set by yc_cloth_desc_default() */
+    yc_mesh mesh;                      /* zero: none, then yarns alone make the cloth */
+    const yc_yarns *yarns;             /* NULL: triangles alone. Copied, like every array here */
+    const double (*yarn_positions)[3]; /* [node_count], m: where yarn nodes start; NULL: on the mesh, or at their
+                                          layout without one */
+    const double *alpha;               /* [vertex_count], 0 triangles .. 1 yarns, in between both; NULL: alpha_uniform
+                                     everywhere */
+    double alpha_uniform;              /* [0, 1]; default 0. Without a mesh 1 is meant and this is not looked at */
+    yc_triangle_material material;
+    const double *grain;      /* [triangle_count], rad, material's direction against u; NULL: 0 */
+    const double *prestretch; /* [triangle_count], rest = UV times this; > 0; NULL: 1 */
+    int hold_sliding;         /* nonzero: no yarn slides; default 0 */
+    int enrich_all;           /* validation (MIX Fig. 3): every triangle hybrid with alpha 1 and no sliding;
+                                     default 0 */
+} yc_cloth_desc;
+YC_API yc_cloth_desc yc_cloth_desc_default(void);
+
+/* Two chains of vertices to be sewn, pair by pair: springs draw them together over close_time, then the pairs are
+ * welded into one vertex each. The caller's indices stay valid: both of a pair then report the same position. */
+typedef struct yc_seam_desc {
+    unsigned cookie;      /* set by yc_seam_desc_default() */
+    int cloth[2];         /* handles; may be the same */
+    int count;            /* pairs; >= 1 */
+    const int *a, *b;     /* [count], vertices of cloth[0] and cloth[1]; a[k] meets b[k] */
+    double stiffness;     /* N/m per pair; > 0; default 100 */
+    double close_time;    /* s, over which the springs' rest length shrinks to zero; >= 0; default 0.5 */
+    double weld_distance; /* m: once every pair of the seam is closer, after close_time, it is welded; >= 0; default
+                              2e-3 */
+    double rest_angle;    /* rad, of hinges across the welded seam; (-pi, pi); default 0 */
+} yc_seam_desc;
+YC_API yc_seam_desc yc_seam_desc_default(void);
+
+/* ---------------------------------------------------------------------------------------------------------------------
+ * Bodies: what cloth falls on and is worn by
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* The shapes a body is made of. Each is a signed distance in metres, negative inside, in the body's own frame. */
+typedef enum yc_primitive_type {
+    YC_SPHERE,       /* centre a, radius ra */
+    YC_ROUNDED_CONE, /* hull of two spheres: centre a with radius ra, centre b with radius rb; a capsule when ra = rb */
+    YC_BOX,          /* centre a, half extents b along x, y, z; edges and corners rounded with radius ra, inside b */
+    YC_PLANE,        /* half space: a point a of the surface, the normal b pointing out of the solid */
+    YC_LOFT          /* stack of superelliptic sections along y, displaced by a; flat caps at both ends */
+} yc_primitive_type;
+
+/* One shape. A field that the type does not name above is ignored, so clear the struct first and set what is needed.
+ * All lengths in metres and finite. The arrays are copied. */
+typedef struct yc_primitive {
+    yc_primitive_type type;
+    double a[3];       /* see the type; any value */
+    double b[3];       /* see the type. Box: each > 0. Plane: any length but zero. Rounded cone: may equal a */
+    double ra;         /* sphere: > 0. Rounded cone: >= 0. Box: >= 0 and at most the smallest of b */
+    double rb;         /* rounded cone: >= 0, and ra + rb > 0 */
+    int section_count; /* loft: 2 to 65536 */
+    const double (*sections)[4]; /* loft, section_count rows: height y (strictly ascending), half width along x (> 0),
+                                    half depth along z (> 0), centre z. A section is the curve
+                                    |x / width|^e + |(z - centre) / depth|^e = 1; in between all three go linearly */
+    double exponent;             /* loft: e above, 2 (ellipse) to 8 (nearly a rectangle); a human torso is near 2.3 */
+} yc_primitive;
+
+/* A rigid body: the union of its primitives. Make it with yc_body_desc_default(); any other is refused. */
+typedef struct yc_body_desc {
+    unsigned cookie;                /* set by yc_body_desc_default() */
+    int primitive_count;            /* 1 to 65536; default 0, so it must be set */
+    const yc_primitive *primitives; /* primitive_count of them, copied; default NULL. Their order matters a little where
+                                       three or more blend at one place */
+    double smooth_radius;           /* m, >= 0, default 0: surfaces closer than this blend into each other, by a
+                                       polynomial smooth union that adds at most a quarter of it per joint; 0 is the
+                                       sharp union */
+    double friction;                /* Coulomb coefficient of cloth on the body, 0 to 10, default 0.3 */
+} yc_body_desc;
+
+/* Returns the defaults named above. Never fails. */
+YC_API yc_body_desc yc_body_desc_default(void);
+
+/* Terms of the energy, in the order of yc_scene_energy. */
+typedef enum yc_term {
+    YC_TERM_KINETIC,
+    YC_TERM_GRAVITY,
+    YC_TERM_STRETCH,
+    YC_TERM_BENDING,
+    YC_TERM_SHEAR,
+    YC_TERM_ADJACENT,
+    YC_TERM_SLIDE,
+    YC_TERM_MEMBRANE,
+    YC_TERM_HINGE,
+    YC_TERM_SEAM,
+    YC_TERM_BODY,
+    YC_TERM_PAIR,
+    YC_TERM_COUNT
+} yc_term;
+YC_API const char *yc_term_name(yc_term term);
+
+/* What a step cost and what the scene holds; counts of the last yc_scene_step, sums over its sub-steps. */
+typedef struct yc_stats {
+    int substeps, rejected; /* accepted sub-steps; tried again at half the step */
+    int newton, linear;     /* Newton and MPCG iterations */
+    double correction;      /* m, largest correction of the last Newton iteration */
+    double residual;        /* N, largest force left over at the last iterate */
+    double seconds_assembly, seconds_solve, seconds_contact, seconds; /* s, processor time of this process; 0 where
+                                                                         clock() is missing */
+    int vertices, full_nodes, hybrid_nodes, dummy_nodes; /* in the mechanics; dummy yarn nodes are for drawing only */
+    int hybrid_vertices;                                 /* vertices carrying the filter */
+    int dofs;                                            /* unknowns of the linear system */
+    int body_contacts, pair_contacts;
+    int welded;               /* seams welded so far */
+    size_t bytes, bytes_peak; /* of this scene, as asked of the host */
+    yc_solver solver;         /* what YC_SOLVER_AUTO picked */
+} yc_stats;
+
+/* Makes an empty scene. desc not NULL and made by a default function; host NULL is a zeroed one. On failure *out is
+ * NULL and the reason is in message (NULL, or YC_MESSAGE_SIZE bytes). */
+YC_API yc_result yc_scene_create(const yc_host *host, const yc_scene_desc *desc, yc_scene **out, char *message);
+YC_API void yc_scene_destroy(yc_scene *scene); /* NULL is fine */
+
+/* The last failure of a call on this scene, in words; "" before the first. Valid until the next call. */
+YC_API const char *yc_scene_message(const yc_scene *scene);
+/* The resolved descriptor; gravity, damping, tolerances and step limits may be changed between steps by yc_scene_tune.
+ */
+YC_API yc_scene_desc yc_scene_desc_get(const yc_scene *scene);
+YC_API yc_result yc_scene_tune(yc_scene *scene, const yc_scene_desc *desc);
+
+/* Adds a cloth, a seam, a body. *handle counts from 0 for each kind. Everything given is copied and checked: indices,
+ * NaN, areas, winding, materials. Errors: ARGUMENT, TOPOLOGY, MEMORY; the scene is then as before. */
+YC_API yc_result yc_scene_add_cloth(yc_scene *scene, const yc_cloth_desc *desc, int *handle);
+YC_API yc_result yc_scene_add_seam(yc_scene *scene, const yc_seam_desc *desc, int *handle);
+YC_API yc_result yc_scene_add_body(yc_scene *scene, const yc_body_desc *desc, int *handle);
+
+/* Moves a body over the next step to the pose x -> rotation x + translation, rotation by rows, from its given geometry.
+ */
+YC_API yc_result yc_scene_move_body(yc_scene *scene, int body, const double rotation[9], const double translation[3]);
+
+typedef enum yc_point { YC_VERTEX, YC_NODE } yc_point; /* a vertex of the mesh, a node of the yarn network */
+
+/* Holds a point where it is (position NULL) or draws it to `position` over the next step, at constant speed; call again
+ * to move it on. A vertex in the midst of full yarns has no mechanics: its pin passes to the nearest yarn node.
+ * yc_scene_pin_force gives the force, N, that the pin exerts, of the last step. */
+YC_API yc_result yc_scene_pin(yc_scene *scene, int cloth, yc_point kind, int index, const double position[3]);
+YC_API yc_result yc_scene_unpin(yc_scene *scene, int cloth, yc_point kind, int index);
+YC_API yc_result yc_scene_pin_force(const yc_scene *scene, int cloth, yc_point kind, int index, double force[3]);
+
+/* Advances the scene by exactly dt > 0 seconds, in sub-steps of at most dt_max; or fails, with positions, velocities
+ * and time as before. stats may be NULL. Errors: ARGUMENT, MEMORY, DIVERGED, CANCELLED. */
+YC_API yc_result yc_scene_step(yc_scene *scene, double dt, yc_stats *stats);
+
+YC_API double yc_scene_time(const yc_scene *scene);
+/* Energies in J, by term; gravity against the world's origin. terms[YC_TERM_COUNT]. Returns MEMORY when the scene could
+ * not be built. */
+YC_API yc_result yc_scene_energy(yc_scene *scene, double terms[YC_TERM_COUNT]);
+/* Total mass, kg; linear and angular momentum about the origin. Any pointer may be NULL. */
+YC_API yc_result yc_scene_momentum(yc_scene *scene, double *mass, double linear[3], double angular[3]);
+
+/* Positions, velocities of a cloth's vertices or yarn nodes: out[count][3], count as in its mesh or network. A vertex
+ * in the midst of full yarns is seen where the best affine fit of the yarn nodes around it puts it; dummy yarn nodes
+ * follow the mesh. */
+YC_API yc_result yc_scene_positions(yc_scene *scene, int cloth, yc_point kind, double (*out)[3]);
+YC_API yc_result yc_scene_velocities(yc_scene *scene, int cloth, yc_point kind, double (*out)[3]);
+/* Starts a point with a velocity, m/s. */
+YC_API yc_result yc_scene_set_velocity(yc_scene *scene, int cloth, yc_point kind, int index, const double velocity[3]);
+/* Sliding coordinates u of a cloth's visits, out[visit_count]. */
+YC_API yc_result yc_scene_sliding(yc_scene *scene, int cloth, double *out);
+
+/* The cloth's triangles after welding, [triangle_count][3]: indices into the vertices of `cloth`, every welded vertex
+ * by its lowest index. Seams between different cloths leave the triangles alone. */
+YC_API yc_result yc_scene_triangles(yc_scene *scene, int cloth, int (*out)[3]);
+
+/* What the triangles carry: [vertex_count], largest principal membrane stress in N/m, area-weighted at the vertices; 0
+ * where yarns alone act. */
+YC_API yc_result yc_scene_stress(yc_scene *scene, int cloth, double *out);
+
+/* The state as bytes: call with buffer NULL to ask the size. A scene built the same way and loaded continues bit for
+ * bit as the saved one does, in one build on one machine. Load refuses the state of another scene with PARSE. */
+YC_API yc_result yc_scene_save(yc_scene *scene, void *buffer, size_t *size);
+YC_API yc_result yc_scene_load(yc_scene *scene, const void *buffer, size_t size);
+
+/* ---------------------------------------------------------------------------------------------------------------------
+ * Output: what a renderer wants
+ *
+ * Everything here works on plain arrays and keeps nothing, so any thread may call it at any time; inside, curves and
+ * tubes run host.parallel_for, with the same bits for any number of workers. A host of NULL means malloc, one thread.
+ *
+ * Each of the three makers is called twice with the same input. First with the arrays of `out` NULL (a cleared struct):
+ * it sets the counts. Then the caller allocates the arrays for these counts, in any way, and the second call fills
+ * them. A failure leaves counts and arrays as they were; message, NULL or YC_MESSAGE_SIZE bytes, says why. The counts
+ * depend on the topology alone: for the frames of an animation only the second call is repeated.
+ * ------------------------------------------------------------------------------------------------------------------ */
+
+/* Yarns as smooth curves: polylines of dense points. */
+typedef struct yc_curve_desc {
+    unsigned cookie; /* set by yc_curve_desc_default() */
+    int steps;       /* pieces of the polyline between two nodes; 1 to 64; default 4 */
+    /* How far crossing yarns are moved apart: 1, they touch; 0, both pass through the node; [0, 10]; default 1. */
+    double offset;
+    /* [node_count], nonzero: the node and both its segments of every yarn are left out, which cuts yarns into pieces
+     * and leaves the rest where it is. NULL: none; default NULL. */
+    const unsigned char *skip;
+} yc_curve_desc;
+YC_API yc_curve_desc yc_curve_desc_default(void);
+
+typedef struct yc_curves {
+    int curve_count; /* in order of the yarns, and along them */
+    int point_count;
+    int *first;         /* [curve_count + 1], first point of each curve; the last entry is point_count */
+    float (*points)[3]; /* [point_count], m; at least two per curve */
+    float *radius;      /* [curve_count], m: the material's */
+    int *yarn;          /* [curve_count], the yarn it is a piece of */
+} yc_curves;
+
+/* Draws a network as curves through its nodes. At a crossing each yarn passes beside the node, along the normal of the
+ * plane of both yarns there: layer +1 on the side that u x v of the pattern points to, layer -1 on the other, each by
+ * half the sum of both radii times desc->offset. Lone visits and crossings with a rod are not moved. Between nodes runs
+ * a centripetal Catmull-Rom spline: it passes through every one of these points with a continuous direction, without
+ * loops or cusps, and is straight where they are.
+ * yarns  the network, as for yc_yarns_check, which is called
+ * nodes  [node_count], m: where its nodes are, for instance from yc_scene_positions; at most 1e30 in size. Not looked
+ *        at, and may be NULL, when counts are asked for
+ * desc   not NULL, made by yc_curve_desc_default()
+ * out    see above; counts first, then the arrays
+ * Errors: ARGUMENT (also when the counts of the second call do not fit, or points are more than an int counts),
+ * TOPOLOGY (of the network), MEMORY. */
+YC_API yc_result yc_curves_make(const yc_host *host, const yc_yarns *yarns, const double (*nodes)[3],
+    const yc_curve_desc *desc, yc_curves *out, char *message);
+
+/* Curves as tubes, one closed surface each, triangles counter-clockwise seen from outside. */
+typedef struct yc_tubes {
+    int vertex_count; /* per curve: `sides` for each of its points, then the middles of both end caps */
+    int triangle_count;
+    float (*positions)[3]; /* [vertex_count], m */
+    float (*normals)[3];   /* [vertex_count], unit, outward; along the curve in the middle of a cap */
+    int (*triangles)[3];   /* [triangle_count], vertex indices */
+} yc_tubes;
+
+/* Sweeps a regular polygon along every curve, with frames that do not turn about it and no vertex doubled at a seam.
+ * Vertex j around point i of curve k, i from 0, is sides * (first[k] + i) + 2 k + j.
+ * curves  filled by yc_curves_make, or the caller's own: two points or more per curve, finite, radius > 0
+ * sides   3 to 64
+ * out     see above; counts first, then the arrays
+ * Errors: ARGUMENT. Allocates nothing. */
+YC_API yc_result yc_tubes_make(const yc_host *host, const yc_curves *curves, int sides, yc_tubes *out, char *message);
+
+/* A mesh one level finer. */
+typedef struct yc_fine {
+    int vertex_count;       /* the mesh's vertices, then one for each of its edges */
+    int triangle_count;     /* four for each of the mesh's */
+    double (*positions)[3]; /* [vertex_count], m */
+    /* [triangle_count], vertex indices, wound like the mesh's: 4 t + k at corner k = 0, 1, 2 of triangle t, and 4 t + 3
+     * between those three. */
+    int (*triangles)[3];
+} yc_fine;
+
+/* One level of Loop's subdivision: smooth inside, and a border that depends on the border alone (a cubic B-spline,
+ * which rounds corners off). A vertex where several borders meet, or without a triangle (the other half of a welded
+ * pair, with the triangles of yc_scene_triangles), stays where it is.
+ * positions  [vertex_count], m; not looked at, and may be NULL, when counts are asked for
+ * triangles  [triangle_count], vertex indices; at most two triangles at an edge
+ * out        see above; counts first, then the arrays, which are none of the input's
+ * Errors: ARGUMENT (indices, counts), TOPOLOGY (an edge of three triangles), MEMORY. Cost: linear. */
+YC_API yc_result yc_subdivide(const yc_host *host, const double (*positions)[3], int vertex_count,
+    const int (*triangles)[3], int triangle_count, yc_fine *out, char *message);
+
+/* Where a point that triangle *triangle carries with barycentric `weights` lies on the finer mesh: both are replaced by
+ * those of the small triangle that it falls into. Weights may leave [0, 1]. With triangle and weights of a yc_yarns
+ * this draws the yarns of the triangle region on the subdivided surface. Never fails. */
+YC_API void yc_fine_locate(int *triangle, double weights[3]);
+
+/* Vertex normals, weighted by the triangles' areas: normals[vertex_count], unit length, or 0 at a vertex whose
+ * triangles have no area. Indices are not checked. Never fails; one thread. */
+YC_API void yc_vertex_normals(
+    const double (*positions)[3], int vertex_count, const int (*triangles)[3], int triangle_count, float (*normals)[3]);
+
+/* ---- region ------------------------------------------------------------------------------------------------------ */
+
+/* Chooses where yarns go: alpha = 1 at all vertices within `radius` (m, along the mesh's edges, as long as they are in
+ * the UVs; a welded edge counts with the shorter of its two lengths) of `center`, 0 elsewhere, so that the ring of
+ * triangles around them is hybrid.
+ * center  a vertex, or -1: the one with the highest score (score[vertex_count], for instance yc_scene_stress)
+ * alpha   [vertex_count], written; chosen  NULL or the center used. Errors: ARGUMENT, TOPOLOGY, MEMORY. */
+YC_API yc_result yc_region_select(const yc_host *host, const yc_mesh *mesh, const double *score, int center,
+    double radius, double *alpha, int *chosen, char *message);
+
+#ifdef __cplusplus
+}
+#endif
+
+/* Stop here if you only want to use the library. */
+
+#endif /* YARNCLOTH_H */
+
+#if defined(YARNCLOTH_IMPLEMENTATION) && !defined(YARNCLOTH_IMPLEMENTED)
+#define YARNCLOTH_IMPLEMENTED
+
+#if defined(__FAST_MATH__)
+#error "yarncloth.h must not be compiled with -ffast-math: it counts on NaN and on the order of sums"
+#endif
+
+#include <float.h>
+#include <limits.h>
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* Element functions are pure and shared with the GPU: see chapter vec. */
+#ifndef YC_FN
+#ifdef __CUDACC__
+#define YC_FN static __host__ __device__ inline
+#else
+#define YC_FN static inline
+#endif
+#endif
+
+YC_API const char *yc_version(void) { return YC_VERSION; }
+
+typedef struct yci_context yci_context;
+
+/* =====================================================================================================================
+ * >>host   (chapter 1)
+ *
+ * What the library asks of its host: memory, a parallel loop, a place for messages. A yci_context is carried by every
+ * object; it counts the bytes in use, remembers the last message and is the only way to the host's callbacks.
+ *
+ * Determinism. yci_parallel cuts [0, count) into blocks of a fixed grain, whatever the number of workers; a body writes
+ * only what its block owns, and sums are kept per block and added in block order. So results are the same bits for any
+ * worker count, and a host that runs every block inline is legal.
+ * ===================================================================================================================== */
+
+struct yci_context {
+    yc_host host;
+    size_t bytes, peak; /* in use now, and at most so far, without the allocator's own overhead */
+    char message[YC_MESSAGE_SIZE];
+};
+
+static const char *const yci_result_names[] = {"YC_OK", "YC_ERROR_ARGUMENT", "YC_ERROR_MEMORY", "YC_ERROR_TOPOLOGY",
+    "YC_ERROR_NOT_SPD", "YC_ERROR_SINGULAR", "YC_ERROR_DIVERGED", "YC_ERROR_PARSE", "YC_ERROR_CANCELLED"};
+
+YC_API const char *yc_result_name(yc_result result) {
+    int index = -(int)result;
+    int count = (int)(sizeof yci_result_names / sizeof yci_result_names[0]);
+    return index >= 0 && index < count ? yci_result_names[index] : "unknown yc_result";
+}
+
+/* Writes the message and hands the code back, so that a failing line reads `return yci_fail(...)`. */
+static yc_result yci_fail(yci_context *c, yc_result code, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    vsnprintf(c->message, sizeof c->message, format, args);
+    va_end(args);
+    return code;
+}
+
+static yc_result yci_out_of_memory(yci_context *c, const char *what) {
+    return yci_fail(c, YC_ERROR_MEMORY, "out of memory for %s", what);
+}
+
+static void yci_log(yci_context *c, const char *format, ...) {
+    char text[YC_MESSAGE_SIZE];
+    va_list args;
+    if (!c->host.log) return;
+    va_start(args, format);
+    vsnprintf(text, sizeof text, format, args);
+    va_end(args);
+    c->host.log(c->host.user, text);
+}
+
+/* A cookie of 64 bytes stands in front of every block and keeps its size; it also keeps the caller's 64-byte alignment,
+ * since the host need only align to 16. The padding in front is stored as well. */
+#define YCI_COOKIE 64
+
+static void *yci_alloc(yci_context *c, size_t count, size_t size) {
+    size_t total, shift, header[2];
+    char *raw, *block;
+    if (size && count > ((size_t)-1 / 2 - 2 * YCI_COOKIE) / size) return NULL;
+    total = count * size + 2 * YCI_COOKIE;
+    raw = (char *)(c->host.alloc ? c->host.alloc(total, c->host.user) : malloc(total));
+    if (!raw) return NULL;
+    shift = YCI_COOKIE + (YCI_COOKIE - ((size_t)raw & (YCI_COOKIE - 1))) % YCI_COOKIE;
+    block = raw + shift;
+    header[0] = total, header[1] = shift;
+    memcpy(block - sizeof header, header, sizeof header);
+    memset(block, 0, count * size);
+    c->bytes += count * size;
+    if (c->bytes > c->peak) c->peak = c->bytes;
+    return block;
+}
+
+static void yci_free(yci_context *c, void *block) {
+    size_t header[2];
+    char *raw;
+    if (!block) return;
+    memcpy(header, (char *)block - sizeof header, sizeof header);
+    raw = (char *)block - header[1];
+    c->bytes -= header[0] - 2 * YCI_COOKIE;
+    if (c->host.free) c->host.free(raw, header[0], c->host.user);
+    else free(raw);
+}
+
+#define YCI_NEW(c, type, count) ((type *)yci_alloc((c), (size_t)(count), sizeof(type)))
+
+/* Makes an array hold at least `need` items of `size` bytes, keeping the first `used`. Growth is by half, so pushing is
+ * linear overall. On failure the array is untouched. */
+static int yci_reserve(yci_context *c, void **array, int *capacity, int used, int need, size_t size) {
+    int grown = *capacity + *capacity / 2;
+    void *bigger;
+    if (need <= *capacity) return 1;
+    if (grown < need) grown = need;
+    if (grown < 16) grown = 16;
+    bigger = yci_alloc(c, (size_t)grown, size);
+    if (!bigger) return 0;
+    if (used) memcpy(bigger, *array, (size_t)used * size);
+    yci_free(c, *array);
+    *array = bigger, *capacity = grown;
+    return 1;
+}
+#define YCI_RESERVE(c, array, capacity, used, need) \
+    yci_reserve((c), (void **)&(array), &(capacity), (used), (need), sizeof *(array))
+
+static yc_result yci_context_init(yci_context *c, const yc_host *host) {
+    memset(c, 0, sizeof *c);
+    if (host) c->host = *host;
+    if (!c->host.alloc != !c->host.free)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "host.alloc and host.free must be given both or neither");
+    return YC_OK;
+}
+
+typedef void (*yci_body)(void *arg, int begin, int end);
+
+typedef struct {
+    yci_body body;
+    void *arg;
+    int count, grain;
+} yci_loop;
+
+static void yci_run_block(void *context, int block) {
+    const yci_loop *loop = (const yci_loop *)context;
+    int begin = block * loop->grain, end = begin + loop->grain;
+    loop->body(loop->arg, begin, end < loop->count ? end : loop->count);
+}
+
+static void yci_parallel(yci_context *c, int count, int grain, yci_body body, void *arg) {
+    yci_loop loop;
+    int block, blocks = (count + grain - 1) / grain;
+    loop.body = body, loop.arg = arg, loop.count = count, loop.grain = grain;
+    if (c->host.parallel_for && blocks > 1) {
+        c->host.parallel_for(c->host.user, yci_run_block, &loop, blocks);
+        return;
+    }
+#ifdef _OPENMP
+#pragma omp parallel for schedule(dynamic, 1) if (blocks > 1)
+#endif
+    for (block = 0; block < blocks; block++) yci_run_block(&loop, block);
+}
+
+/* =====================================================================================================================
+ * >>vec   (chapter 2)
+ *
+ * Vectors of three doubles as plain arrays, 3x3 matrices as double[9] by rows, and the one-sided law of the jamming and
+ * contact terms. Everything here is YC_FN: pure, allocation-free, compiled for the CPU and for the GPU alike.
+ * ===================================================================================================================== */
+
+YC_FN double yci_min(double a, double b) { return a < b ? a : b; }
+YC_FN double yci_max(double a, double b) { return a > b ? a : b; }
+YC_FN double yci_clamp(double x, double lo, double hi) { return x < lo ? lo : x > hi ? hi : x; }
+
+YC_FN void yci_copy(double *out, const double *a) { out[0] = a[0], out[1] = a[1], out[2] = a[2]; }
+YC_FN void yci_add(double *out, const double *a, const double *b) {
+    out[0] = a[0] + b[0], out[1] = a[1] + b[1], out[2] = a[2] + b[2];
+}
+YC_FN void yci_sub(double *out, const double *a, const double *b) {
+    out[0] = a[0] - b[0], out[1] = a[1] - b[1], out[2] = a[2] - b[2];
+}
+YC_FN void yci_scale(double *out, const double *a, double s) {
+    out[0] = a[0] * s, out[1] = a[1] * s, out[2] = a[2] * s;
+}
+YC_FN void yci_axpy(double *y, double s, const double *x) { y[0] += s * x[0], y[1] += s * x[1], y[2] += s * x[2]; }
+YC_FN double yci_dot(const double *a, const double *b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
+YC_FN double yci_norm(const double *a) { return sqrt(yci_dot(a, a)); }
+YC_FN void yci_cross(double *out, const double *a, const double *b) {
+    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    out[0] = x, out[1] = y, out[2] = z;
+}
+/* Returns the length; a vector too short to have a direction becomes the given fallback. */
+YC_FN double yci_normalize(double *a, const double *fallback) {
+    double length = yci_norm(a);
+    if (length > 1e-150) yci_scale(a, a, 1.0 / length);
+    else yci_copy(a, fallback);
+    return length;
+}
+/* A unit vector perpendicular to the unit vector t, by a fixed rule: cross with the axis that t has least of. */
+YC_FN void yci_perpendicular(double *out, const double *t) {
+    double x = fabs(t[0]), y = fabs(t[1]), z = fabs(t[2]);
+    double axis[3] = {0.0, 0.0, 0.0};
+    axis[x <= y && x <= z ? 0 : y <= z ? 1 : 2] = 1.0;
+    yci_cross(out, t, axis);
+    yci_scale(out, out, 1.0 / yci_norm(out));
+}
+/* One-sided law g: zero for t <= 0, t^3/(6 delta) up to delta, t^2/2 - delta t/2 + delta^2/6 beyond. C2, g'' <= 1. */
+YC_FN void yci_one_sided(double t, double delta, double *g, double *dg, double *ddg) {
+    if (t <= 0.0) *g = *dg = *ddg = 0.0;
+    else if (t < delta) *g = t * t * t / (6.0 * delta), *dg = t * t / (2.0 * delta), *ddg = t / delta;
+    else *g = 0.5 * t * t - 0.5 * delta * t + delta * delta / 6.0, *dg = t - 0.5 * delta, *ddg = 1.0;
+}
+YC_FN void yci_zero(double *a, int count) {
+    for (int i = 0; i < count; i++) a[i] = 0.0;
+}
+#define YCI_PI 3.14159265358979323846
+/* The difference of two angles of [-pi, pi], modulo 2 pi, in [-pi, pi]. */
+YC_FN double yci_angle_difference(double a, double b) {
+    double d = a - b;
+    return d > YCI_PI ? d - 2.0 * YCI_PI : d < -YCI_PI ? d + 2.0 * YCI_PI : d;
+}
+
+/* =====================================================================================================================
+ * >>dense   (chapter 3)
+ *
+ * Small dense kernels and LU with partial pivoting. Three layers:
+ *
+ *   blocks    YC_FN functions on row-major blocks of at most YCI_BLOCK_MAX rows: the diagonal blocks of the mechanics
+ *             (3x3 positions, 5x5 nodes with sliding coordinates, 6x6 pairs of the mixing constraint).
+ *   columns   y -= A x and y -= A'x on column-major arrays, and one 4x4 tile C -= A B on packed operands. LU, the
+ *             sparse factorisation and all solves stand on these three; they are what to tune for a machine.
+ *   LU        P A = L U by panels of YCI_PANEL columns: a panel is factored column by column looking left, the columns
+ *             to its right are then updated four at a time by tiles (Golub and Van Loan, Matrix Computations, 3.4).
+ *
+ * Packed operands: rows in groups of four, packed[(row / 4) * 4 * k + 4 * step + row % 4] for k steps, so that the tile
+ * reads both streams in order. Rows beyond the last may hold anything finite or not; tiles store only what exists.
+ *
+ * Promises: each entry of a result is summed in one order, whatever the number of workers.
+ * ===================================================================================================================== */
+
+#define YCI_BLOCK_MAX 8                          /* rows of the largest node block */
+#define YCI_PANEL 32                             /* columns of a panel of LU and of the sparse factorisation */
+#define YCI_PIVOT_TOLERANCE (64.0 * DBL_EPSILON) /* a pivot this small against what it came from is rounding error */
+
+/* y -= A x and y -= A'x for a row-major block of m x n. The 3x3 case is most of the calls. */
+YC_FN void yci_block_subtract(int m, int n, const double *a, const double *x, double *y) {
+    int i, j;
+    if (m == 3 && n == 3) {
+        double x0 = x[0], x1 = x[1], x2 = x[2];
+        y[0] -= a[0] * x0 + a[1] * x1 + a[2] * x2;
+        y[1] -= a[3] * x0 + a[4] * x1 + a[5] * x2;
+        y[2] -= a[6] * x0 + a[7] * x1 + a[8] * x2;
+        return;
+    }
+    for (i = 0; i < m; i++, a += n) {
+        double sum = 0.0;
+        for (j = 0; j < n; j++) sum += a[j] * x[j];
+        y[i] -= sum;
+    }
+}
+YC_FN void yci_block_subtract_transposed(int m, int n, const double *a, const double *x, double *y) {
+    int i, j;
+    if (m == 3 && n == 3) {
+        double x0 = x[0], x1 = x[1], x2 = x[2];
+        y[0] -= a[0] * x0 + a[3] * x1 + a[6] * x2;
+        y[1] -= a[1] * x0 + a[4] * x1 + a[7] * x2;
+        y[2] -= a[2] * x0 + a[5] * x1 + a[8] * x2;
+        return;
+    }
+    for (i = 0; i < m; i++, a += n)
+        for (j = 0; j < n; j++) y[j] -= a[j] * x[i];
+}
+
+/* C -= A B' for row-major C (m x n), A (m x k), B (n x k). */
+YC_FN void yci_block_subtract_product(int m, int n, int k, const double *a, const double *b, double *c) {
+    int i, j, p;
+    for (i = 0; i < m; i++)
+        for (j = 0; j < n; j++) {
+            double sum = 0.0;
+            for (p = 0; p < k; p++) sum += a[i * k + p] * b[j * k + p];
+            c[i * n + j] -= sum;
+        }
+}
+
+/* A = G G' in place: the lower triangle of the row-major n x n block becomes G, the upper is neither read nor written.
+ * reference[i * stride] is the size that pivot i came from, before anything was subtracted: a pivot lost in its
+ * rounding counts as zero. Returns 1 when A is positive definite; NaN and infinity are not. */
+YC_FN int yci_block_cholesky(int n, double *a, const double *reference, int stride) {
+    int i, j, k;
+    for (j = 0; j < n; j++) {
+        double pivot = a[j * n + j];
+        for (k = 0; k < j; k++) pivot -= a[j * n + k] * a[j * n + k];
+        if (!(pivot > 0.0 && pivot > YCI_PIVOT_TOLERANCE * reference[j * stride] && pivot <= DBL_MAX)) return 0;
+        a[j * n + j] = pivot = sqrt(pivot);
+        for (i = j + 1; i < n; i++) {
+            double sum = a[i * n + j];
+            for (k = 0; k < j; k++) sum -= a[i * n + k] * a[j * n + k];
+            a[i * n + j] = sum / pivot;
+        }
+    }
+    return 1;
+}
+
+/* The inverse of a lower triangle, with zeros above its diagonal. */
+YC_FN void yci_block_invert_lower(int n, const double *g, double *inverse) {
+    int i, j, k;
+    for (j = 0; j < n; j++) {
+        for (i = 0; i < j; i++) inverse[i * n + j] = 0.0;
+        for (i = j; i < n; i++) {
+            double sum = i == j ? 1.0 : 0.0;
+            for (k = j; k < i; k++) sum -= g[i * n + k] * inverse[k * n + j];
+            inverse[i * n + j] = sum / g[i * n + i];
+        }
+    }
+}
+
+/* The inverse of a symmetric positive definite block (its lower triangle is read); arguments as for the Cholesky. */
+YC_FN int yci_block_invert_spd(int n, const double *a, const double *reference, int stride, double *inverse) {
+    double g[YCI_BLOCK_MAX * YCI_BLOCK_MAX], h[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
+    int i, j, k;
+    for (i = 0; i < n * n; i++) g[i] = a[i];
+    if (!yci_block_cholesky(n, g, reference, stride)) return 0;
+    yci_block_invert_lower(n, g, h);
+    for (i = 0; i < n; i++)
+        for (j = 0; j <= i; j++) {
+            double sum = 0.0;
+            for (k = i; k < n; k++) sum += h[k * n + i] * h[k * n + j];
+            inverse[i * n + j] = inverse[j * n + i] = sum;
+        }
+    return 1;
+}
+
+/* Scales s with s_i |a_ij| s_j <= 1, and close to 1 somewhere in every row: row after row by what stands at or before
+ * its diagonal (J. R. Bunch, Equilibration of symmetric matrices in the max-norm, J. ACM 18, 1971), then the rows that
+ * had nothing there by all of it. For a pair [[m g],[g -k]] with small m k that gives the first row or the last all
+ * the weight, and drowns k or m; so it is done from both ends, and the geometric mean, which obeys the same bounds,
+ * makes both diagonals equal. Elimination then pivots on g and keeps m and k, even a k beside an m that is only
+ * noise. */
+YC_FN void yci_block_equilibrate(int n, const double *a, double *s) {
+    double t[2][YCI_BLOCK_MAX];
+    int i, j, step, side, pass;
+    for (side = 0; side < 2; side++) {
+        for (i = 0; i < n; i++) t[side][i] = 0.0;
+        for (pass = 0; pass < 2; pass++)
+            for (step = 0; step < n; step++) {
+                double most;
+                i = side ? n - 1 - step : step;
+                if (t[side][i] > 0.0) continue;
+                most = sqrt(fabs(a[i * n + i]));
+                for (j = 0; j < n; j++) most = yci_max(most, t[side][j] * fabs(a[i * n + j]));
+                if (most > 0.0) t[side][i] = 1.0 / most;
+            }
+    }
+    for (i = 0; i < n; i++) s[i] = sqrt(t[0][i]) * sqrt(t[1][i]);
+}
+
+/* The inverse of a symmetric block that may be indefinite, by Gauss-Jordan elimination with complete pivoting on the
+ * equilibrated block. `reference` (n x n) holds the block before anything was subtracted from it, so that one that
+ * cancelled to rounding error is seen as singular. Returns the smallest pivot of the equilibrated block, 0 when it is
+ * singular to working precision or not finite; `inverse` is then meaningless. */
+YC_FN double yci_block_invert(int n, const double *a, const double *reference, double *inverse) {
+    double m[YCI_BLOCK_MAX * YCI_BLOCK_MAX], s[YCI_BLOCK_MAX], smallest = 1.0;
+    int row_of[YCI_BLOCK_MAX], column_of[YCI_BLOCK_MAX], i, j, step; /* pivots, by column and by row */
+    for (i = 0; i < n * n; i++) m[i] = yci_max(fabs(reference[i]), fabs(a[i]));
+    yci_block_equilibrate(n, m, s);
+    for (i = 0; i < n; i++)
+        for (j = 0; j < n; j++) m[i * n + j] = s[i] * a[i * n + j] * s[j];
+    for (i = 0; i < n; i++) column_of[i] = row_of[i] = -1;
+    for (step = 0; step < n; step++) {
+        int row = -1, column = -1;
+        double most = 0.0, pivot;
+        for (i = 0; i < n; i++)
+            for (j = 0; j < n; j++)
+                if (column_of[i] < 0 && row_of[j] < 0 && fabs(m[i * n + j]) > most)
+                    most = fabs(m[i * n + j]), row = i, column = j;
+        if (!(most > YCI_PIVOT_TOLERANCE && most <= DBL_MAX)) return 0.0;
+        smallest = yci_min(smallest, most);
+        column_of[row] = column, row_of[column] = row;
+        pivot = m[row * n + column];
+        m[row * n + column] = 1.0;
+        for (j = 0; j < n; j++) m[row * n + j] /= pivot;
+        for (i = 0; i < n; i++) {
+            double factor = m[i * n + column];
+            if (i == row) continue;
+            m[i * n + column] = 0.0;
+            for (j = 0; j < n; j++) m[i * n + j] -= factor * m[row * n + j];
+        }
+    }
+    for (i = 0; i < n; i++)
+        for (j = 0; j < n; j++) {
+            inverse[i * n + j] = s[i] * m[row_of[i] * n + column_of[j]] * s[j];
+            if (!(fabs(inverse[i * n + j]) <= DBL_MAX)) return 0.0;
+        }
+    for (i = 0; i < n; i++)
+        for (j = 0; j < i; j++)
+            inverse[i * n + j] = inverse[j * n + i] = 0.5 * (inverse[i * n + j] + inverse[j * n + i]);
+    return smallest;
+}
+
+/* y -= A x for a column-major A (m x n, leading dimension ld), four columns a pass; rows go in pairs so that a compiler
+ * that does not vectorise loops of unknown length still pairs them. */
+static void yci_dense_subtract(int m, int n, const double *a, size_t ld, const double *x, double *y) {
+    int i, j;
+    for (j = 0; j + 4 <= n; j += 4) {
+        const double *a0 = a + (size_t)j * ld, *a1 = a0 + ld, *a2 = a1 + ld, *a3 = a2 + ld;
+        double x0 = x[j], x1 = x[j + 1], x2 = x[j + 2], x3 = x[j + 3];
+        for (i = 0; i + 2 <= m; i += 2) {
+            double s = a0[i] * x0 + a1[i] * x1 + a2[i] * x2 + a3[i] * x3;
+            double t = a0[i + 1] * x0 + a1[i + 1] * x1 + a2[i + 1] * x2 + a3[i + 1] * x3;
+            y[i] -= s, y[i + 1] -= t;
+        }
+        if (i < m) y[i] -= a0[i] * x0 + a1[i] * x1 + a2[i] * x2 + a3[i] * x3;
+    }
+    for (; j < n; j++) {
+        const double *a0 = a + (size_t)j * ld;
+        double x0 = x[j];
+        for (i = 0; i < m; i++) y[i] -= a0[i] * x0;
+    }
+}
+
+/* y -= A'x, four columns a pass. */
+static void yci_dense_subtract_transposed(int m, int n, const double *a, size_t ld, const double *x, double *y) {
+    int i, j;
+    for (j = 0; j + 4 <= n; j += 4) {
+        const double *a0 = a + (size_t)j * ld, *a1 = a0 + ld, *a2 = a1 + ld, *a3 = a2 + ld;
+        double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
+        for (i = 0; i < m; i++) s0 += a0[i] * x[i], s1 += a1[i] * x[i], s2 += a2[i] * x[i], s3 += a3[i] * x[i];
+        y[j] -= s0, y[j + 1] -= s1, y[j + 2] -= s2, y[j + 3] -= s3;
+    }
+    for (; j < n; j++) {
+        const double *a0 = a + (size_t)j * ld;
+        double sum = 0.0;
+        for (i = 0; i < m; i++) sum += a0[i] * x[i];
+        y[j] -= sum;
+    }
+}
+
+/* C -= A B for one tile of column-major C: a and b are packed groups of four rows of A and four columns of B, k steps
+ * long. Sixteen named sums are what compilers keep in registers and vectorise even at their lowest level. */
+static void yci_dense_tile(int k, const double *a, const double *b, double *c, size_t ld, int rows, int columns) {
+    double c00 = 0, c01 = 0, c02 = 0, c03 = 0, c10 = 0, c11 = 0, c12 = 0, c13 = 0;
+    double c20 = 0, c21 = 0, c22 = 0, c23 = 0, c30 = 0, c31 = 0, c32 = 0, c33 = 0;
+    int p;
+    for (p = 0; p < k; p++, a += 4, b += 4) {
+        double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3], b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
+        c00 += a0 * b0, c01 += a1 * b0, c02 += a2 * b0, c03 += a3 * b0;
+        c10 += a0 * b1, c11 += a1 * b1, c12 += a2 * b1, c13 += a3 * b1;
+        c20 += a0 * b2, c21 += a1 * b2, c22 += a2 * b2, c23 += a3 * b2;
+        c30 += a0 * b3, c31 += a1 * b3, c32 += a2 * b3, c33 += a3 * b3;
+    }
+    if (rows == 4 && columns == 4) {
+        c[0] -= c00, c[1] -= c01, c[2] -= c02, c[3] -= c03, c += ld;
+        c[0] -= c10, c[1] -= c11, c[2] -= c12, c[3] -= c13, c += ld;
+        c[0] -= c20, c[1] -= c21, c[2] -= c22, c[3] -= c23, c += ld;
+        c[0] -= c30, c[1] -= c31, c[2] -= c32, c[3] -= c33;
+    } else {
+        double sum[16];
+        int i, j;
+        sum[0] = c00, sum[1] = c01, sum[2] = c02, sum[3] = c03, sum[4] = c10, sum[5] = c11, sum[6] = c12, sum[7] = c13;
+        sum[8] = c20, sum[9] = c21, sum[10] = c22, sum[11] = c23;
+        sum[12] = c30, sum[13] = c31, sum[14] = c32, sum[15] = c33;
+        for (j = 0; j < columns; j++, c += ld)
+            for (i = 0; i < rows; i++) c[i] -= sum[4 * j + i];
+    }
+}
+
+struct yc_lu {
+    yci_context context;
+    int n, factored;
+    double *f;      /* n x n by columns: U on and above the diagonal, L (unit diagonal) below */
+    int *pivot;     /* row exchanged with row j at step j */
+    double *packed; /* a panel's rows below its diagonal, for tiles */
+    double *work;   /* 2 n, for the condition estimate */
+    double norm;    /* the 1-norm of A */
+};
+
+YC_API void yc_lu_destroy(yc_lu *lu) {
+    yci_context c;
+    if (!lu) return;
+    c = lu->context;
+    yci_free(&c, lu->f);
+    yci_free(&c, lu->pivot);
+    yci_free(&c, lu->packed);
+    yci_free(&c, lu->work);
+    yci_free(&c, lu);
+}
+
+YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
+    yci_context c;
+    yc_lu *lu;
+    yc_result result = yci_context_init(&c, host);
+    if (!out) return YC_ERROR_ARGUMENT;
+    *out = NULL;
+    if (result == YC_OK && n < 0) result = yci_fail(&c, YC_ERROR_ARGUMENT, "yc_lu_create: n is %d", n);
+    lu = result == YC_OK ? YCI_NEW(&c, yc_lu, 1) : NULL;
+    if (lu) {
+        lu->context = c, lu->n = n;
+        lu->f = (double *)yci_alloc(&lu->context, (size_t)n, (size_t)n * sizeof(double));
+        lu->pivot = YCI_NEW(&lu->context, int, n);
+        lu->packed = YCI_NEW(&lu->context, double, ((size_t)n + 3) * YCI_PANEL);
+        lu->work = YCI_NEW(&lu->context, double, 2 * (size_t)n);
+        if (lu->f && lu->pivot && lu->packed && lu->work) {
+            *out = lu;
+            return YC_OK;
+        }
+        yc_lu_destroy(lu);
+    }
+    if (result == YC_OK) result = yci_fail(&c, YC_ERROR_MEMORY, "out of memory for an LU factorisation of order %d", n);
+    yci_log(&c, "%s", c.message);
+    return result;
+}
+
+YC_API const char *yc_lu_message(const yc_lu *lu) { return lu->context.message; }
+
+/* Factors columns [begin, end) over all their rows, exchanging rows within the panel only. Returns the column without
+ * a pivot, or -1. */
+static int yci_lu_panel(yc_lu *lu, int begin, int end) {
+    size_t n = (size_t)lu->n;
+    int i, j, k;
+    for (j = begin; j < end; j++) {
+        double *column = lu->f + (size_t)j * n, most = 0.0, inverse;
+        int row = j;
+        for (k = begin; k < j; k++) /* U(begin:j, j) */
+            for (i = k + 1; i < j; i++) column[i] -= lu->f[(size_t)k * n + (size_t)i] * column[k];
+        yci_dense_subtract(lu->n - j, j - begin, lu->f + (size_t)begin * n + j, n, column + begin, column + j);
+        for (i = j; i < lu->n; i++)
+            if (!(fabs(column[i]) <= most)) most = fabs(column[i]), row = i;
+        if (!(most > 0.0 && most <= DBL_MAX)) return j;
+        lu->pivot[j] = row;
+        if (row != j)
+            for (k = begin; k < end; k++) {
+                double *at = lu->f + (size_t)k * n, value = at[j];
+                at[j] = at[row], at[row] = value;
+            }
+        inverse = 1.0 / column[j];
+        if (inverse <= DBL_MAX && inverse >= -DBL_MAX)
+            for (i = j + 1; i < lu->n; i++) column[i] *= inverse;
+        else /* the pivot is subnormal */
+            for (i = j + 1; i < lu->n; i++) column[i] /= column[j];
+    }
+    return -1;
+}
+
+typedef struct {
+    yc_lu *lu;
+    int begin, end;
+} yci_lu_job;
+
+/* Exchanges rows in the columns left of the panel, and exchanges, solves and updates those right of it. Item q stands
+ * for the columns q*4 to q*4+3 of all but the panel's. */
+static void yci_lu_update(void *arg, int first, int last) {
+    const yci_lu_job *job = (const yci_lu_job *)arg;
+    yc_lu *lu = job->lu;
+    int width = job->end - job->begin, rows = lu->n - job->end, q, i, j, k;
+    size_t n = (size_t)lu->n;
+    for (q = first; q < last; q++) {
+        double b[4 * YCI_PANEL];
+        int left = job->begin / 4, start = q < left ? 4 * q : job->end + 4 * (q - left);
+        int columns = start + 4 <= lu->n ? 4 : lu->n - start;
+        for (j = 0; j < columns; j++) {
+            double *column = lu->f + (size_t)(start + j) * n;
+            for (k = job->begin; k < job->end; k++) {
+                double value = column[k];
+                column[k] = column[lu->pivot[k]], column[lu->pivot[k]] = value;
+            }
+            if (q < left) continue;
+            for (k = 0; k < width; k++) {
+                const double *l = lu->f + (size_t)(job->begin + k) * n + job->begin;
+                double value = b[4 * k + j] = column[job->begin + k];
+                for (i = k + 1; i < width; i++) column[job->begin + i] -= l[i] * value;
+            }
+        }
+        if (q < left) continue;
+        for (; j < 4; j++)
+            for (k = 0; k < width; k++) b[4 * k + j] = 0.0;
+        for (i = 0; i < rows; i += 4)
+            yci_dense_tile(width, lu->packed + (size_t)i * (size_t)width, b, lu->f + (size_t)start * n + job->end + i,
+                n, rows - i < 4 ? rows - i : 4, columns);
+    }
+}
+
+YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
+    size_t n;
+    int i, j, k, begin;
+    if (!lu) return YC_ERROR_ARGUMENT;
+    n = (size_t)lu->n;
+    if (lu->n && !a) return yci_fail(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a is NULL");
+    if (lda < lu->n) return yci_fail(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: lda is %d, n is %d", lda, lu->n);
+    for (i = 0; i < lu->n; i++)
+        for (j = 0; j < lu->n; j++)
+            if (!(fabs(a[(size_t)i * (size_t)lda + (size_t)j]) <= DBL_MAX))
+                return yci_fail(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", i, j,
+                    a[(size_t)i * (size_t)lda + (size_t)j]);
+    lu->factored = 0, lu->norm = 0.0;
+    for (j = 0; j < lu->n; j++) {
+        double sum = 0.0;
+        for (i = 0; i < lu->n; i++) {
+            double value = a[(size_t)i * (size_t)lda + (size_t)j];
+            lu->f[(size_t)j * n + (size_t)i] = value;
+            sum += fabs(value);
+        }
+        lu->norm = yci_max(lu->norm, sum);
+    }
+    for (begin = 0; begin < lu->n; begin += YCI_PANEL) {
+        yci_lu_job job;
+        int end = begin + YCI_PANEL < lu->n ? begin + YCI_PANEL : lu->n, rows = lu->n - end, items, bad;
+        bad = yci_lu_panel(lu, begin, end);
+        if (bad >= 0) return yci_fail(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
+        for (k = 0; k < end - begin; k++)
+            for (i = 0; i < rows; i++)
+                lu->packed[(size_t)(i / 4) * 4 * (size_t)(end - begin) + (size_t)(4 * k + i % 4)] =
+                    lu->f[(size_t)(begin + k) * n + (size_t)(end + i)];
+        job.lu = lu, job.begin = begin, job.end = end;
+        items = begin / 4 + (rows + 3) / 4;
+        yci_parallel(&lu->context, items, 1 + 4096 / (rows + 4), yci_lu_update, &job);
+    }
+    lu->factored = 1;
+    return YC_OK;
+}
+
+/* x := inverse(A) x, by panels so that the factor is read once for all right-hand sides. */
+static void yci_lu_solve_all(const yc_lu *lu, double *x, int count, int ldx) {
+    size_t n = (size_t)lu->n;
+    int begin, end, i, j, k;
+    for (k = 0; k < count; k++)
+        for (i = 0; i < lu->n; i++) {
+            double *at = x + (size_t)k * (size_t)ldx, value = at[i];
+            at[i] = at[lu->pivot[i]], at[lu->pivot[i]] = value;
+        }
+    for (begin = 0; begin < lu->n; begin = end) {
+        end = begin + 4 < lu->n ? begin + 4 : lu->n;
+        for (k = 0; k < count; k++) {
+            double *at = x + (size_t)k * (size_t)ldx;
+            for (j = begin; j < end; j++)
+                for (i = j + 1; i < end; i++) at[i] -= lu->f[(size_t)j * n + (size_t)i] * at[j];
+            yci_dense_subtract(lu->n - end, end - begin, lu->f + (size_t)begin * n + end, n, at + begin, at + end);
+        }
+    }
+    for (end = lu->n; end > 0; end = begin) {
+        begin = end > 4 ? end - 4 : 0;
+        for (k = 0; k < count; k++) {
+            double *at = x + (size_t)k * (size_t)ldx;
+            for (j = end - 1; j >= begin; j--) {
+                at[j] /= lu->f[(size_t)j * n + (size_t)j];
+                for (i = begin; i < j; i++) at[i] -= lu->f[(size_t)j * n + (size_t)i] * at[j];
+            }
+            yci_dense_subtract(begin, end - begin, lu->f + (size_t)begin * n, n, at + begin, at);
+        }
+    }
+}
+
+/* x := inverse(A') x = P' inverse(L') inverse(U') x. */
+static void yci_lu_solve_all_transposed(const yc_lu *lu, double *x, int count, int ldx) {
+    size_t n = (size_t)lu->n;
+    int begin, end, i, j, k;
+    for (begin = 0; begin < lu->n; begin = end) {
+        end = begin + 4 < lu->n ? begin + 4 : lu->n;
+        for (k = 0; k < count; k++) {
+            double *at = x + (size_t)k * (size_t)ldx;
+            yci_dense_subtract_transposed(begin, end - begin, lu->f + (size_t)begin * n, n, at, at + begin);
+            for (j = begin; j < end; j++) {
+                for (i = begin; i < j; i++) at[j] -= lu->f[(size_t)j * n + (size_t)i] * at[i];
+                at[j] /= lu->f[(size_t)j * n + (size_t)j];
+            }
+        }
+    }
+    for (end = lu->n; end > 0; end = begin) {
+        begin = end > 4 ? end - 4 : 0;
+        for (k = 0; k < count; k++) {
+            double *at = x + (size_t)k * (size_t)ldx;
+            yci_dense_subtract_transposed(
+                lu->n - end, end - begin, lu->f + (size_t)begin * n + end, n, at + end, at + begin);
+            for (j = end - 1; j >= begin; j--)
+                for (i = j + 1; i < end; i++) at[j] -= lu->f[(size_t)j * n + (size_t)i] * at[i];
+        }
+    }
+    for (k = 0; k < count; k++)
+        for (i = lu->n - 1; i >= 0; i--) {
+            double *at = x + (size_t)k * (size_t)ldx, value = at[i];
+            at[i] = at[lu->pivot[i]], at[lu->pivot[i]] = value;
+        }
+}
+
+YC_API yc_result yc_lu_solve(const yc_lu *lu, double *x, int count, int ldx) {
+    if (!lu || !lu->factored || count < 0 || ldx < lu->n || (count && lu->n && !x)) return YC_ERROR_ARGUMENT;
+    yci_lu_solve_all(lu, x, count, ldx);
+    return YC_OK;
+}
+
+YC_API yc_result yc_lu_solve_transposed(const yc_lu *lu, double *x, int count, int ldx) {
+    if (!lu || !lu->factored || count < 0 || ldx < lu->n || (count && lu->n && !x)) return YC_ERROR_ARGUMENT;
+    yci_lu_solve_all_transposed(lu, x, count, ldx);
+    return YC_OK;
+}
+
+static double yci_dense_norm1(int n, const double *x) {
+    double sum = 0.0;
+    int i;
+    for (i = 0; i < n; i++) sum += fabs(x[i]);
+    return sum;
+}
+
+/* Hager's estimate of the 1-norm of the inverse with Higham's safeguard vector (N. J. Higham, FORTRAN codes for
+ * estimating the one-norm of a real or complex matrix, ACM TOMS 14, 1988, algorithm 4.1). */
+YC_API double yc_lu_rcond(const yc_lu *lu) {
+    double *x, *z, estimate, alternative;
+    int i, j, best, last = -1, round, n;
+    if (!lu || !lu->factored) return 0.0;
+    n = lu->n, x = lu->work, z = lu->work + n;
+    if (n == 0) return 1.0;
+    for (i = 0; i < n; i++) x[i] = 1.0 / n;
+    yci_lu_solve_all(lu, x, 1, n);
+    estimate = yci_dense_norm1(n, x);
+    for (round = 0; round < 5; round++) {
+        double sum;
+        for (i = 0; i < n; i++) z[i] = x[i] < 0.0 ? -1.0 : 1.0;
+        yci_lu_solve_all_transposed(lu, z, 1, n);
+        for (best = 0, j = 1; j < n; j++)
+            if (fabs(z[j]) > fabs(z[best])) best = j;
+        if (best == last) break;
+        for (i = 0; i < n; i++) x[i] = i == best ? 1.0 : 0.0;
+        yci_lu_solve_all(lu, x, 1, n);
+        sum = yci_dense_norm1(n, x);
+        if (!(sum > estimate)) break;
+        estimate = sum, last = best;
+    }
+    for (i = 0; i < n; i++) x[i] = (i % 2 ? -1.0 : 1.0) * (1.0 + (n > 1 ? (double)i / (n - 1) : 0.0));
+    yci_lu_solve_all(lu, x, 1, n);
+    alternative = 2.0 * yci_dense_norm1(n, x) / (3.0 * n);
+    estimate = yci_max(estimate, alternative);
+    return estimate <= DBL_MAX && estimate * lu->norm > 0.0 ? 1.0 / (estimate * lu->norm) : 0.0;
+}
+
+/* =====================================================================================================================
+ * >>sparse   (chapter 4)
+ *
+ * Sparse symmetric matrices of small dense blocks, one block row per node:
+ *
+ *   yci_bsr     the matrix: pattern from node pairs, product
+ *   yci_order   minimum-degree ordering of the node graph
+ *   yci_ldl     direct factorisation P A P' = L D L', D of one symmetric block per node
+ *   yci_ic      incomplete factorisation on the matrix's own pattern, for preconditioning
+ *   yc_chol     the public face of yci_ldl
+ *
+ * Ordering: approximate minimum external degree on the quotient graph (Amestoy, Davis, Duff, An approximate minimum
+ * degree ordering algorithm, SIAM J. Matrix Anal. 17, 1996), on nodes rather than unknowns.
+ *
+ * Factorisation: multifrontal (Duff and Reid, 1983; Liu, The multifrontal method for sparse matrix solution, SIAM
+ * Review 34, 1992). The nodes of one supernode s stand in one front of `height` rows, sorted by elimination order, of
+ * which the first `width` are eliminated:
+ *
+ *     [ F11  .  ]      F11 = L11 D L11',   W21 = F21 inverse(L11'),   L21 = W21 inverse(D)
+ *     [ F21 F22 ]      F22 := F22 - L21 W21'
+ *
+ * (F11, F21) is the supernode's panel and stays as L; the update matrix F22 is added into the parent's front. A
+ * diagonal block of D is inverted with pivoting inside the block, so pairs [[0 g],[g -k]] of a quasi-definite matrix
+ * are stable in any order; inverse(D) is kept where L11 has its unit blocks.
+ *
+ * Promises. Analysis is done once per pattern; factor and solve allocate nothing, and give the same bits for any
+ * worker count. A factor object holds L, all update matrices that can be alive at once (their places are fixed by the
+ * analysis) and two packed panels. Solves on one factor may run at the same time with different work arrays.
+ * ===================================================================================================================== */
+
+typedef struct yci_bsr {
+    int n;
+    int *dim, *off; /* n: rows of each node, 0 to YCI_BLOCK_MAX; n + 1: first unknown of each node */
+    int *ptr, *col; /* n + 1 and ptr[n]: full symmetric pattern, ascending, the diagonal always present */
+    int *diag;      /* n: the diagonal's block */
+    size_t *at;     /* ptr[n] + 1: first value of each block, row-major; at[ptr[n]] is the number of values */
+    double *val;
+} yci_bsr;
+
+static void yci_bsr_destroy(yci_context *c, yci_bsr *m) {
+    yci_free(c, m->dim), yci_free(c, m->off), yci_free(c, m->ptr), yci_free(c, m->col);
+    yci_free(c, m->diag), yci_free(c, m->at), yci_free(c, m->val);
+    memset(m, 0, sizeof *m);
+}
+
+/* Sorts the pairs (both ways round, diagonal added) into rows: into buckets by row in any order, then once more with
+ * rows and columns exchanged, which leaves every row ascending and its duplicates side by side. Returns 0 without
+ * memory. */
+static int yci_bsr_sort(yci_context *c, yci_bsr *m, const int (*pair)[2], size_t pair_count) {
+    size_t total = 2 * pair_count + (size_t)m->n, k;
+    int *begin = YCI_NEW(c, int, m->n + 1), *bucket = YCI_NEW(c, int, total);
+    int *last = YCI_NEW(c, int, m->n), *sorted = YCI_NEW(c, int, total), i, p, ok = 0;
+    if (begin && bucket && last && sorted) {
+        for (i = 0; i < m->n; i++) begin[i] = 1;
+        for (k = 0; k < pair_count; k++) begin[pair[k][0]]++, begin[pair[k][1]]++;
+        for (i = 0, p = 0; i < m->n; i++) p += begin[i], begin[i] = last[i] = p; /* ends; filled from behind */
+        for (k = 0; k < pair_count; k++) {
+            bucket[--begin[pair[k][0]]] = pair[k][1];
+            bucket[--begin[pair[k][1]]] = pair[k][0];
+        }
+        for (i = 0; i < m->n; i++) bucket[--begin[i]] = i;
+        begin[m->n] = p;
+        for (i = 0; i < m->n; i++) last[i] = begin[i];
+        for (i = 0; i < m->n; i++)
+            for (p = begin[i]; p < begin[i + 1]; p++) {
+                int row = bucket[p];
+                if (last[row] == begin[row] || sorted[last[row] - 1] != i) sorted[last[row]++] = i;
+            }
+        for (i = 0; i < m->n; i++) m->ptr[i + 1] = m->ptr[i] + last[i] - begin[i];
+        m->col = YCI_NEW(c, int, m->ptr[m->n]);
+        ok = m->col != NULL;
+        for (i = 0; ok && i < m->n; i++)
+            memcpy(m->col + m->ptr[i], sorted + begin[i], (size_t)(last[i] - begin[i]) * sizeof(int));
+    }
+    yci_free(c, begin), yci_free(c, bucket), yci_free(c, last), yci_free(c, sorted);
+    return ok;
+}
+
+/* Makes a zero matrix whose pattern joins the two nodes of every pair; a pair may come more than once, either way
+ * round, and may join a node with itself. On failure *out is empty. */
+static yc_result yci_bsr_create(
+    yci_context *c, int n, const int *dim, const int (*pair)[2], size_t pair_count, yci_bsr *out) {
+    yci_bsr m;
+    size_t k;
+    int i, p;
+    memset(out, 0, sizeof *out);
+    memset(&m, 0, sizeof m);
+    if (n < 0 || pair_count > ((size_t)INT_MAX - (size_t)n) / 2)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "block matrix: %d nodes and %.0f pairs", n, (double)pair_count);
+    for (i = 0; i < n; i++)
+        if (dim[i] < 0 || dim[i] > YCI_BLOCK_MAX || n > INT_MAX / YCI_BLOCK_MAX)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "block matrix: node %d of %d has %d unknowns", i, n, dim[i]);
+    for (k = 0; k < pair_count; k++)
+        if (pair[k][0] < 0 || pair[k][0] >= n || pair[k][1] < 0 || pair[k][1] >= n)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "block matrix: pair (%d, %d) of %d nodes", pair[k][0], pair[k][1], n);
+    m.n = n;
+    m.dim = YCI_NEW(c, int, n), m.off = YCI_NEW(c, int, n + 1), m.ptr = YCI_NEW(c, int, n + 1);
+    m.diag = YCI_NEW(c, int, n);
+    if (!m.dim || !m.off || !m.ptr || !m.diag || !yci_bsr_sort(c, &m, pair, pair_count)) goto out_of_memory;
+    m.at = YCI_NEW(c, size_t, (size_t)m.ptr[n] + 1);
+    if (!m.at) goto out_of_memory;
+    for (i = 0; i < n; i++) m.dim[i] = dim[i], m.off[i + 1] = m.off[i] + dim[i];
+    for (i = 0; i < n; i++)
+        for (p = m.ptr[i]; p < m.ptr[i + 1]; p++) {
+            if (m.col[p] == i) m.diag[i] = p;
+            m.at[p + 1] = m.at[p] + (size_t)(dim[i] * dim[m.col[p]]);
+        }
+    m.val = YCI_NEW(c, double, m.at[m.ptr[n]]);
+    if (!m.val) goto out_of_memory;
+    *out = m;
+    return YC_OK;
+out_of_memory:
+    yci_bsr_destroy(c, &m);
+    return yci_out_of_memory(c, "a block matrix");
+}
+
+/* The block of row i and column j, or -1 where there is none. */
+static int yci_bsr_find(const yci_bsr *m, int i, int j) {
+    int low = m->ptr[i], high = m->ptr[i + 1] - 1;
+    while (low <= high) {
+        int middle = low + (high - low) / 2;
+        if (m->col[middle] == j) return middle;
+        if (m->col[middle] < j) low = middle + 1;
+        else high = middle - 1;
+    }
+    return -1;
+}
+
+static void yci_bsr_zero(yci_bsr *m) { memset(m->val, 0, m->at[m->ptr[m->n]] * sizeof(double)); }
+
+typedef struct {
+    const yci_bsr *m;
+    const double *x;
+    double *y;
+} yci_bsr_product;
+
+static void yci_bsr_multiply_rows(void *arg, int begin, int end) {
+    const yci_bsr_product *job = (const yci_bsr_product *)arg;
+    const yci_bsr *m = job->m;
+    int i, k, a, b;
+    for (i = begin; i < end; i++) {
+        double sum[YCI_BLOCK_MAX] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+        int rows = m->dim[i];
+        for (k = m->ptr[i]; k < m->ptr[i + 1]; k++) {
+            const double *v = m->val + m->at[k], *x = job->x + m->off[m->col[k]];
+            int columns = m->dim[m->col[k]];
+            if (rows == 3 && columns == 3) {
+                sum[0] += v[0] * x[0] + v[1] * x[1] + v[2] * x[2];
+                sum[1] += v[3] * x[0] + v[4] * x[1] + v[5] * x[2];
+                sum[2] += v[6] * x[0] + v[7] * x[1] + v[8] * x[2];
+            } else
+                for (a = 0; a < rows; a++)
+                    for (b = 0; b < columns; b++) sum[a] += v[a * columns + b] * x[b];
+        }
+        for (a = 0; a < rows; a++) job->y[m->off[i] + a] = sum[a];
+    }
+}
+
+/* y = A x; x and y are different arrays of off[n] numbers. */
+static void yci_bsr_multiply(yci_context *c, const yci_bsr *m, const double *x, double *y) {
+    yci_bsr_product job;
+    job.m = m, job.x = x, job.y = y;
+    yci_parallel(c, m->n, 512, yci_bsr_multiply_rows, &job);
+}
+
+/* ----------------------------------------------------------------------------------------------- minimum degree --- */
+
+/* The quotient graph. A node is a variable until it is eliminated and an element from then on. A variable's list holds
+ * its elements first and then its variables, in the room that its neighbours had at the start, which always suffices:
+ * it gains one element (the pivot) only when it loses the pivot itself or an element that the pivot absorbed. An
+ * element's list holds the variables of its front, in a pool that is squeezed when full. Variables that became alike
+ * stand as one, with a weight; `follower` chains what is numbered together. */
+typedef struct yci_order_graph {
+    int n;
+    int *begin, *elements, *variables, *list; /* per variable: start of its list in `list`, entries of both kinds */
+    int *front, *length, *degree_of;          /* per element: start in pool, entries (0: dead), their weight */
+    int *pool, pool_used;
+    int *weight;                 /* variables merged into this one; 0: merged away or eliminated */
+    int *degree;                 /* approximate external degree */
+    int *head, *next, *previous; /* lists of the variables of each degree */
+    int *follower, *tail;
+    int *mark, *outside, *bucket, *chain; /* work: stamps; weight outside the new front; hash table */
+    int stamp, stamp_outside, widest;     /* widest: the heaviest front so far */
+} yci_order_graph;
+
+static void yci_order_unlink(yci_order_graph *g, int v) {
+    if (g->next[v] >= 0) g->previous[g->next[v]] = g->previous[v];
+    if (g->previous[v] >= 0) g->next[g->previous[v]] = g->next[v];
+    else g->head[g->degree[v]] = g->next[v];
+}
+
+static void yci_order_link(yci_order_graph *g, int v) {
+    int first = g->head[g->degree[v]];
+    g->previous[v] = -1, g->next[v] = first;
+    if (first >= 0) g->previous[first] = v;
+    g->head[g->degree[v]] = v;
+}
+
+/* Variable v joins `into`: it will be numbered right after it. */
+static void yci_order_merge(yci_order_graph *g, int v, int into) {
+    g->weight[into] += g->weight[v], g->weight[v] = 0;
+    g->follower[g->tail[into]] = v, g->tail[into] = g->tail[v];
+}
+
+/* Moves the live elements' lists together, oldest first; they were made in pool order, which `sequence` tells. */
+static void yci_order_squeeze(yci_order_graph *g, const int *sequence, int count) {
+    int used = 0, k, i;
+    for (k = 0; k < count; k++) {
+        int e = sequence[k], from = g->front[e], kept = 0;
+        if (!g->length[e]) continue;
+        for (i = 0; i < g->length[e]; i++)
+            if (g->weight[g->pool[from + i]]) g->pool[used + kept++] = g->pool[from + i];
+        g->front[e] = used, g->length[e] = kept, used += kept;
+    }
+    g->pool_used = used;
+}
+
+/* Turns variable p into an element: its front is the union of its variables and of its elements' fronts, which die. */
+static int yci_order_eliminate(yci_order_graph *g, int p) {
+    int start = g->pool_used, count = 0, total = 0, k, i, stamp = ++g->stamp;
+    const int *list = g->list + g->begin[p];
+    g->mark[p] = stamp;
+    for (k = 0; k <= g->elements[p]; k++) {
+        int last = k == g->elements[p], e = last ? p : list[k];
+        const int *from = last ? list + g->elements[p] : g->pool + g->front[e];
+        int size = last ? g->variables[p] : g->length[e];
+        for (i = 0; i < size; i++) {
+            int v = from[i];
+            if (!g->weight[v] || g->mark[v] == stamp) continue;
+            g->mark[v] = stamp;
+            g->pool[start + count++] = v, total += g->weight[v];
+            yci_order_unlink(g, v);
+        }
+        if (!last) g->length[e] = 0;
+    }
+    g->front[p] = start, g->length[p] = count, g->degree_of[p] = total;
+    return total;
+}
+
+/* For every element e beside the new front: outside[e] - stamp_outside becomes the weight of e's part outside it. */
+static void yci_order_measure(yci_order_graph *g, int p) {
+    int k, i;
+    for (k = 0; k < g->length[p]; k++) {
+        int v = g->pool[g->front[p] + k];
+        const int *list = g->list + g->begin[v];
+        for (i = 0; i < g->elements[v]; i++) {
+            int e = list[i];
+            if (!g->length[e]) continue;
+            if (g->outside[e] < g->stamp_outside) g->outside[e] = g->stamp_outside + g->degree_of[e];
+            g->outside[e] -= g->weight[v];
+        }
+    }
+}
+
+/* Rewrites v's list: dead elements, elements inside the new front (they are absorbed) and variables that the front
+ * covers go, p comes. Returns the bound on v's degree outside the front, and a hash of the list. */
+static int yci_order_rewrite(yci_order_graph *g, int v, int p, unsigned *hash) {
+    int *list = g->list + g->begin[v], elements = 0, variables = 0, degree = 0, i;
+    unsigned sum = (unsigned)p;
+    for (i = 0; i < g->elements[v]; i++) {
+        int e = list[i], outside = g->outside[e] - g->stamp_outside;
+        if (!g->length[e]) continue;
+        if (outside == 0) g->length[e] = 0;
+        else list[elements++] = e, degree += outside, sum += (unsigned)e;
+    }
+    for (; i < g->elements[v] + g->variables[v]; i++) {
+        int u = list[i];
+        if (!g->weight[u] || g->mark[u] == g->stamp) continue;
+        list[elements + variables++] = u, degree += g->weight[u], sum += (unsigned)u;
+    }
+    list[elements + variables] = list[elements], list[elements] = p; /* the first variable makes room */
+    g->elements[v] = elements + 1, g->variables[v] = variables;
+    *hash = sum;
+    return degree;
+}
+
+/* Merges the variables of the front whose lists are equal. Lists are compared by stamping one and looking up the other;
+ * a hash table over the front brings candidates together. */
+static void yci_order_find_alike(yci_order_graph *g, int p) {
+    int k, i, j;
+    const int *front = g->pool + g->front[p];
+    for (k = 0; k < g->length[p]; k++) {
+        int first, *before;
+        if (!g->weight[front[k]]) continue;
+        first = g->bucket[g->outside[front[k]]]; /* rewrite left the table index there */
+        if (first < 0) continue;
+        g->bucket[g->outside[front[k]]] = -1;
+        for (i = first; g->chain[i] >= 0; i = g->chain[i]) {
+            int size = g->elements[i] + g->variables[i], stamp = ++g->stamp, s;
+            for (s = 0; s < size; s++) g->mark[g->list[g->begin[i] + s]] = stamp;
+            before = &g->chain[i];
+            for (j = *before; j >= 0; j = *before) {
+                int same = g->elements[j] == g->elements[i] && g->variables[j] == g->variables[i];
+                for (s = 0; same && s < size; s++) same = g->mark[g->list[g->begin[j] + s]] == stamp;
+                if (same) yci_order_merge(g, j, i), *before = g->chain[j];
+                else before = &g->chain[j];
+            }
+            if (g->chain[i] < 0) break;
+        }
+    }
+}
+
+/* Eliminates p, together with what has no neighbour outside its front, and updates the front's variables. `left` is the
+ * number of original variables not yet numbered. */
+static void yci_order_step(yci_order_graph *g, int p, int left, int *lowest) {
+    int k, count, total, start;
+    if (g->stamp > INT_MAX - g->n - 1 || g->stamp_outside > INT_MAX - 2 * g->widest - 2) {
+        for (k = 0; k < g->n; k++) g->mark[k] = g->outside[k] = 0;
+        g->stamp = 0, g->stamp_outside = 1;
+    }
+    yci_order_unlink(g, p);
+    total = yci_order_eliminate(g, p), start = g->front[p];
+    if (total > g->widest) g->widest = total;
+    yci_order_measure(g, p);
+    for (k = 0; k < g->length[p]; k++) {
+        int v = g->pool[start + k], degree;
+        unsigned hash;
+        degree = yci_order_rewrite(g, v, p, &hash);
+        if (degree == 0) { /* nothing outside the front: v can go with p */
+            total -= g->weight[v];
+            yci_order_merge(g, v, p);
+            continue;
+        }
+        if (degree < g->degree[v]) g->degree[v] = degree;
+        g->outside[v] = (int)(hash % (unsigned)g->n); /* v is no element yet, so the slot is free */
+        g->chain[v] = g->bucket[g->outside[v]], g->bucket[g->outside[v]] = v;
+    }
+    yci_order_find_alike(g, p);
+    left -= g->weight[p];
+    for (k = 0, count = 0; k < g->length[p]; k++) {
+        int v = g->pool[start + k], most;
+        if (!g->weight[v]) continue;
+        g->pool[start + count++] = v;
+        g->outside[v] = 0;
+        g->degree[v] += total - g->weight[v], most = left - g->weight[v];
+        if (g->degree[v] > most) g->degree[v] = most;
+        if (g->degree[v] < *lowest) *lowest = g->degree[v];
+        yci_order_link(g, v);
+    }
+    g->length[p] = count, g->degree_of[p] = total, g->pool_used = start + count;
+    g->stamp_outside += g->widest + 1;
+    g->weight[p] = 0;
+}
+
+/* Nodes with very many neighbours would be touched by every step: they leave the graph and come last. Nodes without
+ * unknowns come after them. Returns how many of `order` were filled in at its end. */
+static int yci_order_defer(int n, const int *dim, const int *ptr, int *weight, int *order) {
+    int limit = (int)(10.0 * sqrt((double)n)) + 16, i, pass, at = n;
+    for (pass = 0; pass < 2; pass++)
+        for (i = n - 1; i >= 0; i--) {
+            int empty = dim[i] == 0, wide = ptr[i + 1] - ptr[i] > limit;
+            weight[i] = !empty && !wide;
+            if (pass ? !empty && wide : empty) order[--at] = i;
+        }
+    return n - at;
+}
+
+/* Fills `order` with all n nodes; those without unknowns come last. The live fronts and lists never hold more entries
+ * than the pattern, so a pool of three times that is squeezed only after as many new entries. */
+static yc_result yci_order_minimum_degree(
+    yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order) {
+    yci_order_graph g;
+    size_t entries = (size_t)ptr[n];
+    int *block = NULL, *sequence, *at, i, k, left, lowest = 0, pivots = 0;
+    if (entries <= (size_t)INT_MAX / 4) block = YCI_NEW(c, int, 18 * (size_t)n + 4 * entries);
+    if (!block) return yci_out_of_memory(c, "an elimination order");
+    memset(&g, 0, sizeof g);
+    g.n = n, g.stamp_outside = 1;
+    g.begin = at = block, g.elements = at += n, g.variables = at += n, g.front = at += n, g.length = at += n;
+    g.degree_of = at += n, g.weight = at += n, g.degree = at += n, g.head = at += n, g.next = at += n;
+    g.previous = at += n, g.follower = at += n, g.tail = at += n, g.mark = at += n, g.outside = at += n;
+    g.bucket = at += n, g.chain = at += n, sequence = at += n, g.list = at += n, g.pool = at + entries;
+    left = n - yci_order_defer(n, dim, ptr, g.weight, order);
+    for (i = 0; i < n; i++) g.head[i] = g.bucket[i] = g.follower[i] = -1, g.tail[i] = i;
+    for (i = 0; i < n; i++) {
+        g.begin[i] = ptr[i];
+        if (!g.weight[i]) continue;
+        for (k = ptr[i]; k < ptr[i + 1]; k++)
+            if (col[k] != i && g.weight[col[k]]) g.list[ptr[i] + g.variables[i]++] = col[k];
+        g.degree[i] = g.variables[i];
+        yci_order_link(&g, i);
+    }
+    for (k = 0; k < left;) {
+        int p;
+        while (g.head[lowest] < 0) lowest++;
+        p = g.head[lowest];
+        if ((size_t)g.pool_used > 2 * entries) yci_order_squeeze(&g, sequence, pivots);
+        sequence[pivots++] = p;
+        yci_order_step(&g, p, left - k, &lowest);
+        for (i = p; i >= 0; i = g.follower[i]) order[k++] = i;
+    }
+    yci_free(c, block);
+    return YC_OK;
+}
+
+/* ------------------------------------------------------------------------------------ direct: symbolic analysis --- */
+
+typedef struct yci_ldl_entry {
+    int block, row, rows; /* the caller's block, and where its rows stand in the front */
+} yci_ldl_entry;
+
+typedef struct yci_ldl_super {
+    int first, last;         /* positions of its own nodes */
+    int row_begin, row_end;  /* the other rows of its front, in `row` */
+    int width, height;       /* unknowns eliminated, unknowns of the front */
+    int parent, child, next; /* supernode it updates, its first child, its next sibling; -1: none */
+    size_t panel, update;    /* where its panel (height x width) and update matrix start, both by columns */
+} yci_ldl_super;
+
+/* A position is a place in the elimination order; nodes without unknowns have none. */
+typedef struct yci_ldl {
+    yci_context *c;
+    int active, size, supers; /* positions, unknowns, supernodes */
+    int factored, widest;     /* widest: the most rows below a panel */
+    int *node;                /* active: node of a position */
+    int *offset;              /* active: its first unknown in the caller's numbering */
+    int *start;               /* active + 1: its first unknown in elimination order */
+    yci_ldl_super *super;
+    int *row, *rel;       /* positions of rows below the panels; their places in the parent's front */
+    int *entry_begin;     /* active + 1 */
+    yci_ldl_entry *entry; /* blocks at or below each position's diagonal, the diagonal first */
+    size_t panel_size, update_size;
+    double *panel, *update;  /* L, and the update matrices alive */
+    double *packed, *scaled; /* rows below a panel of columns, packed: L and W = L D */
+    double *within;          /* W of the rows inside it */
+    double nonzeros, flops;
+} yci_ldl;
+
+static void yci_ldl_destroy(yci_ldl *f) {
+    yci_context *c;
+    if (!f) return;
+    c = f->c;
+    yci_free(c, f->node), yci_free(c, f->offset), yci_free(c, f->start), yci_free(c, f->super);
+    yci_free(c, f->row), yci_free(c, f->rel), yci_free(c, f->entry_begin), yci_free(c, f->entry);
+    yci_free(c, f->panel), yci_free(c, f->update), yci_free(c, f->packed), yci_free(c, f->scaled);
+    yci_free(c, f->within);
+    yci_free(c, f);
+}
+
+/* What the analysis works with; everything of the size of the node count, in one block. */
+typedef struct yci_ldl_plan {
+    int n, active;
+    const int *dim, *ptr, *col;
+    int *node, *pos;            /* node of a position, position of a node (-1: none) */
+    int *parent, *post;         /* elimination tree on positions, and its postorder */
+    int *head, *next, *work;    /* work arrays */
+    int *count, *weight;        /* column counts below the diagonal: nodes, and unknowns */
+    int *super_of, *super_last; /* fundamental supernode of a position; its last position */
+    int *super_parent, *width, *height, *merged, *group;
+    double *zeros; /* padding that amalgamation brought into a supernode */
+    int supers, groups;
+} yci_ldl_plan;
+
+/* Liu's elimination tree: the first later column that each column's subtree meets; `work` holds compressed paths. */
+static void yci_ldl_tree(yci_ldl_plan *t) {
+    int i, k;
+    for (i = 0; i < t->active; i++) {
+        int v = t->node[i];
+        t->parent[i] = t->work[i] = -1;
+        for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) {
+            int j = t->pos[t->col[k]];
+            while (j >= 0 && j < i) {
+                int up = t->work[j];
+                t->work[j] = i;
+                if (up < 0) t->parent[j] = i;
+                j = up;
+            }
+        }
+    }
+}
+
+/* post[k] is the vertex visited k-th; children come before parents, in ascending order, and subtrees stay together. */
+static void yci_ldl_postorder(int n, const int *parent, int *post, int *head, int *next, int *stack) {
+    int i, k = 0, depth = 0, root = -1;
+    for (i = 0; i < n; i++) head[i] = -1;
+    for (i = n - 1; i >= 0; i--) {
+        int *list = parent[i] < 0 ? &root : &head[parent[i]];
+        next[i] = *list, *list = i;
+    }
+    while (root >= 0 || depth > 0) {
+        if (depth == 0) stack[depth++] = root, root = next[root];
+        i = stack[depth - 1];
+        if (head[i] >= 0) stack[depth++] = head[i], head[i] = next[head[i]];
+        else post[k++] = i, depth--;
+    }
+}
+
+/* Renumbers positions: the one visited k-th becomes position k. */
+static void yci_ldl_renumber(yci_ldl_plan *t) {
+    int i;
+    for (i = 0; i < t->active; i++) t->work[i] = t->node[t->post[i]];
+    for (i = 0; i < t->active; i++) t->node[i] = t->work[i], t->pos[t->node[i]] = i;
+}
+
+/* Counts of the columns of L: row i has an entry in every column on the tree's paths from the columns of A's row up to
+ * i. Costs one step per node entry of L, which is a small part of the factorisation. */
+static void yci_ldl_count(yci_ldl_plan *t) {
+    int i, j, k;
+    for (i = 0; i < t->active; i++) t->count[i] = t->weight[i] = 0, t->work[i] = -1;
+    for (i = 0; i < t->active; i++) {
+        int v = t->node[i];
+        t->work[i] = i;
+        for (k = t->ptr[v]; k < t->ptr[v + 1]; k++)
+            for (j = t->pos[t->col[k]]; j >= 0 && j < i && t->work[j] != i; j = t->parent[j])
+                t->work[j] = i, t->count[j]++, t->weight[j] += t->dim[v];
+    }
+}
+
+/* Supernodes in the strict sense: chains of columns that differ only by their own diagonals. */
+static void yci_ldl_fundamental(yci_ldl_plan *t) {
+    int i, s = -1;
+    for (i = 0; i < t->active; i++) {
+        if (i == 0 || t->parent[i - 1] != i || t->count[i - 1] != t->count[i] + 1) {
+            s++;
+            t->width[s] = 0, t->merged[s] = -1, t->zeros[s] = 0.0;
+        }
+        t->super_of[i] = s, t->super_last[s] = i, t->width[s] += t->dim[t->node[i]];
+    }
+    t->supers = s + 1;
+    for (s = 0; s < t->supers; s++) {
+        i = t->super_last[s];
+        t->height[s] = t->width[s] + t->weight[i];
+        t->super_parent[s] = t->parent[i] < 0 ? -1 : t->super_of[t->parent[i]];
+    }
+}
+
+/* Lets a supernode take in its children where the padding is small against the work per front that it saves. Narrow
+ * supernodes may be padded most; the bounds were found by trial on cloth and yarn grids and are flat around here. */
+static void yci_ldl_amalgamate(yci_ldl_plan *t) {
+    int s, child;
+    for (s = 0; s < t->supers; s++) t->head[s] = -1;
+    for (s = 0; s < t->supers; s++) {
+        for (child = t->head[s]; child >= 0; child = t->next[child]) {
+            double w = (double)t->width[s] + t->width[child], h = (double)t->height[s] + t->width[child];
+            double zeros = t->zeros[s] + t->zeros[child] +
+                (double)t->width[child] * (t->height[s] - (t->height[child] - t->width[child]));
+            double ratio = zeros / (w * (h - 0.5 * (w - 1.0)));
+            if (!(ratio <= 0.05 || (w <= 48.0 && ratio <= 0.1) || (w <= 16.0 && ratio <= 0.4))) continue;
+            t->merged[child] = s, t->zeros[s] = zeros;
+            t->width[s] += t->width[child], t->height[s] += t->width[child];
+        }
+        if (t->super_parent[s] >= 0) t->next[s] = t->head[t->super_parent[s]], t->head[t->super_parent[s]] = s;
+    }
+    t->groups = 0;
+    for (s = t->supers - 1; s >= 0; s--) t->group[s] = t->merged[s] < 0 ? s : t->group[t->merged[s]];
+}
+
+/* Orders the groups by a postorder of their own tree and the positions by group. Leaves super_of pointing at the final
+ * supernodes, `width`, `height` and `super_parent` in their order, and `super_last` at the top column of each. */
+static void yci_ldl_regroup(yci_ldl_plan *t) {
+    int s, i, *index = t->merged, *tree = t->parent, *begin = t->work;
+    for (s = 0; s < t->supers; s++)
+        if (t->group[s] == s) index[s] = t->groups++;
+    for (s = 0; s < t->supers; s++) /* in place: a group's index is never above its own number */
+        if (t->group[s] == s) {
+            int up = t->super_parent[s];
+            i = index[s];
+            tree[i] = up < 0 ? -1 : t->group[up];
+            t->width[i] = t->width[s], t->height[i] = t->height[s], t->super_last[i] = t->super_last[s];
+        }
+    for (i = 0; i < t->groups; i++)
+        if (tree[i] >= 0) tree[i] = index[tree[i]];
+    for (i = 0; i < t->active; i++) t->super_of[i] = index[t->group[t->super_of[i]]];
+    yci_ldl_postorder(t->groups, tree, t->post, t->head, t->next, t->work);
+    for (i = 0; i < t->groups; i++) index[t->post[i]] = i;
+    for (i = 0; i < t->groups; i++) {
+        s = index[i];
+        t->super_parent[s] = tree[i] < 0 ? -1 : index[tree[i]];
+        t->head[s] = t->width[i], t->next[s] = t->height[i], t->group[s] = t->count[t->super_last[i]];
+    }
+    for (i = 0; i < t->groups; i++) t->width[i] = t->head[i], t->height[i] = t->next[i], begin[i] = 0;
+    for (i = 0; i < t->active; i++) begin[t->super_of[i] = index[t->super_of[i]]]++;
+    for (i = 0, s = 0; i < t->groups; i++) s += begin[i], begin[i] = s - begin[i];
+    for (i = 0; i < t->active; i++) t->post[begin[t->super_of[i]]++] = i;
+    for (i = 0; i < t->active; i++) t->count[i] = t->super_of[t->post[i]];
+    for (i = 0; i < t->active; i++) t->super_of[i] = t->count[i];
+    yci_ldl_renumber(t);
+}
+
+/* Places of the update matrices: a supernode at an even depth of the tree keeps its own at the low end of the array,
+ * one at an odd depth at the high end, so a front can be filled while its children's matrices, at the other end, are
+ * read. In postorder each end is a stack. */
+static void yci_ldl_place_updates(yci_ldl *f, int *depth) {
+    size_t low = 0, high = 0, most = 0;
+    int s, child;
+    for (s = f->supers - 1; s >= 0; s--) depth[s] = f->super[s].parent < 0 ? 0 : 1 - depth[f->super[s].parent];
+    for (s = 0; s < f->supers; s++) {
+        yci_ldl_super *u = f->super + s;
+        size_t rows = (size_t)(u->height - u->width);
+        size_t *own = depth[s] ? &high : &low, *children = depth[s] ? &low : &high;
+        u->update = *own, *own += rows * rows;
+        if (low + high > most) most = low + high;
+        for (child = u->child; child >= 0; child = f->super[child].next) {
+            size_t used = (size_t)(f->super[child].height - f->super[child].width);
+            *children -= used * used;
+        }
+    }
+    for (s = 0; s < f->supers; s++)
+        if (depth[s]) {
+            size_t rows = (size_t)(f->super[s].height - f->super[s].width);
+            f->super[s].update = most - f->super[s].update - rows * rows;
+        }
+    f->update_size = most;
+}
+
+/* Collects the rows of every front from the matrix and the children, then sorts all of them at once by exchanging rows
+ * and columns twice. `sorted` and `row` have room for all rows. */
+static void yci_ldl_rows(yci_ldl *f, yci_ldl_plan *t, int *sorted) {
+    int s, i, k, child, *begin = t->work, *mark = t->count;
+    for (i = 0; i < t->active; i++) mark[i] = -1, begin[i] = 0;
+    for (s = 0; s < f->supers; s++) {
+        yci_ldl_super *u = f->super + s;
+        int used = u->row_begin;
+        for (i = u->first; i < u->last; i++) {
+            int v = t->node[i];
+            for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) {
+                int r = t->pos[t->col[k]];
+                if (r >= u->last && mark[r] != s) mark[r] = s, f->row[used++] = r, begin[r]++;
+            }
+        }
+        for (child = u->child; child >= 0; child = f->super[child].next)
+            for (k = f->super[child].row_begin; k < f->super[child].row_end; k++) {
+                int r = f->row[k];
+                if (r >= u->last && mark[r] != s) mark[r] = s, f->row[used++] = r, begin[r]++;
+            }
+    }
+    for (i = 0, k = 0; i < t->active; i++) k += begin[i], begin[i] = k - begin[i];
+    for (s = 0; s < f->supers; s++)
+        for (k = f->super[s].row_begin; k < f->super[s].row_end; k++) sorted[begin[f->row[k]]++] = s;
+    for (s = 0; s < f->supers; s++) t->head[s] = f->super[s].row_begin;
+    for (i = 0, k = 0; i < t->active; i++)
+        for (; k < begin[i]; k++) f->row[t->head[sorted[k]]++] = i;
+}
+
+/* Where everything goes: the caller's blocks in the fronts, children's rows in their parents' fronts. */
+static void yci_ldl_maps(yci_ldl *f, yci_ldl_plan *t) {
+    int s, i, k, at, used = 0, child, *where = t->work;
+    for (s = 0; s < f->supers; s++) {
+        const yci_ldl_super *u = f->super + s;
+        for (i = u->first, at = 0; i < u->last; i++) where[i] = at, at += t->dim[t->node[i]];
+        for (k = u->row_begin; k < u->row_end; k++) where[f->row[k]] = at, at += t->dim[t->node[f->row[k]]];
+        for (child = u->child; child >= 0; child = f->super[child].next)
+            for (k = f->super[child].row_begin; k < f->super[child].row_end; k++) f->rel[k] = where[f->row[k]];
+        for (i = u->first; i < u->last; i++) {
+            int v = t->node[i], diagonal = used++;
+            f->entry_begin[i] = diagonal;
+            for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) {
+                int r = t->pos[t->col[k]], slot = r == i ? diagonal : used;
+                if (r < i) continue;
+                f->entry[slot].block = k, f->entry[slot].row = where[r], f->entry[slot].rows = t->dim[t->col[k]];
+                if (r > i) used++;
+            }
+        }
+    }
+    f->entry_begin[f->active] = used;
+}
+
+/* Turns the plan's groups into supernodes and measures them. */
+static void yci_ldl_measure(yci_ldl *f, const yci_ldl_plan *t) {
+    int s, i, position = 0;
+    size_t rows = 0;
+    for (s = 0; s < f->supers; s++) {
+        yci_ldl_super *u = f->super + s;
+        double below = t->height[s] - t->width[s], w = t->width[s], h = t->height[s];
+        u->first = position;
+        while (position < t->active && t->super_of[position] == s) position++;
+        u->last = position;
+        u->row_begin = (int)rows, rows += (size_t)t->group[s], u->row_end = (int)rows;
+        u->width = t->width[s], u->height = t->height[s], u->parent = t->super_parent[s], u->child = -1;
+        u->panel = f->panel_size, f->panel_size += (size_t)u->width * (size_t)u->height;
+        if (u->height - u->width > f->widest) f->widest = u->height - u->width;
+        f->nonzeros += w * below + 0.5 * w * (w + 1.0);
+        f->flops += (h * (h + 1.0) * (2.0 * h + 1.0) - below * (below + 1.0) * (2.0 * below + 1.0)) / 6.0;
+    }
+    for (s = f->supers - 1; s >= 0; s--)
+        if (f->super[s].parent >= 0) {
+            yci_ldl_super *up = f->super + f->super[s].parent;
+            f->super[s].next = up->child, up->child = s;
+        } else f->super[s].next = -1;
+    for (i = 0; i < t->active; i++) f->start[i + 1] = f->start[i] + t->dim[t->node[i]];
+}
+
+/* Everything of the factor that depends on the plan's outcome. Returns 0 without memory. */
+static int yci_ldl_build(yci_context *c, yci_ldl *f, yci_ldl_plan *t) {
+    int i, s, most = 0, ok, *sorted;
+    double rows = 0.0;
+    size_t total, active = (size_t)t->active;
+    f->active = t->active, f->supers = t->groups;
+    for (s = 0; s < f->supers; s++) rows += t->group[s];
+    if (rows > (double)INT_MAX) return 0;
+    total = (size_t)rows;
+    f->node = YCI_NEW(c, int, active), f->offset = YCI_NEW(c, int, active), f->start = YCI_NEW(c, int, active + 1);
+    f->super = YCI_NEW(c, yci_ldl_super, f->supers), f->entry_begin = YCI_NEW(c, int, active + 1);
+    f->entry = YCI_NEW(c, yci_ldl_entry, ((size_t)t->ptr[t->n] + (size_t)t->n) / 2 + 1);
+    f->row = YCI_NEW(c, int, total), f->rel = YCI_NEW(c, int, total);
+    if (!f->node || !f->offset || !f->start || !f->super || !f->entry_begin || !f->entry || !f->row || !f->rel)
+        return 0;
+    yci_ldl_measure(f, t);
+    yci_ldl_place_updates(f, t->work);
+    f->panel = YCI_NEW(c, double, f->panel_size), f->update = YCI_NEW(c, double, f->update_size);
+    for (s = 0; s < f->supers; s++)
+        if (f->super[s].height > most) most = f->super[s].height;
+    f->packed = YCI_NEW(c, double, ((size_t)most + 8) * YCI_PANEL);
+    f->scaled = YCI_NEW(c, double, ((size_t)most + 8) * YCI_PANEL);
+    f->within = YCI_NEW(c, double, YCI_PANEL *YCI_PANEL);
+    sorted = YCI_NEW(c, int, total);
+    ok = f->panel && f->update && f->packed && f->scaled && f->within && sorted;
+    if (ok) {
+        yci_ldl_rows(f, t, sorted);
+        yci_ldl_maps(f, t);
+        for (i = 0; i < t->n; i++) t->head[i] = f->size, f->size += t->dim[i];
+        for (i = 0; i < t->active; i++) f->node[i] = t->node[i], f->offset[i] = t->head[t->node[i]];
+    }
+    yci_free(c, sorted);
+    return ok;
+}
+
+/* Analyses a full symmetric pattern with its diagonal (as of yci_bsr). `order` names the node eliminated k-th, or is
+ * NULL for minimum degree. Nothing of the arguments is kept. On failure *out is NULL. */
+static yc_result yci_ldl_analyze(
+    yci_context *c, int n, const int *dim, const int *ptr, const int *col, const int *order, yci_ldl **out) {
+    yci_ldl_plan t;
+    yci_ldl *f = YCI_NEW(c, yci_ldl, 1);
+    size_t size = (size_t)n + 1;
+    int *block = YCI_NEW(c, int, 17 * size), *at = block, i, ok;
+    yc_result result = YC_OK;
+    *out = NULL;
+    memset(&t, 0, sizeof t);
+    t.zeros = YCI_NEW(c, double, size);
+    ok = f && block && t.zeros;
+    if (f) f->c = c;
+    if (ok) {
+        t.n = n, t.dim = dim, t.ptr = ptr, t.col = col;
+        t.node = at, t.pos = at += size, t.parent = at += size, t.post = at += size, t.head = at += size;
+        t.next = at += size, t.work = at += size, t.count = at += size, t.weight = at += size;
+        t.super_of = at += size, t.super_last = at += size, t.super_parent = at += size, t.width = at += size;
+        t.height = at += size, t.merged = at += size, t.group = at += size, at += size;
+        if (!order) result = yci_order_minimum_degree(c, n, dim, ptr, col, at);
+        for (i = 0; i < n; i++) t.pos[i] = -1;
+        for (i = 0; result == YC_OK && i < n; i++) {
+            int v = order ? order[i] : at[i];
+            if (v < 0 || v >= n || t.work[v]++)
+                result = yci_fail(c, YC_ERROR_ARGUMENT, "elimination order: entry %d is %d, of %d nodes", i, v, n);
+            else if (dim[v]) t.pos[v] = t.active, t.node[t.active++] = v;
+        }
+    }
+    if (ok && result == YC_OK) {
+        yci_ldl_tree(&t);
+        yci_ldl_postorder(t.active, t.parent, t.post, t.head, t.next, t.work);
+        yci_ldl_renumber(&t);
+        yci_ldl_tree(&t);
+        yci_ldl_count(&t);
+        yci_ldl_fundamental(&t);
+        yci_ldl_amalgamate(&t);
+        yci_ldl_regroup(&t);
+        ok = yci_ldl_build(c, f, &t);
+    }
+    yci_free(c, block), yci_free(c, t.zeros);
+    if (ok && result == YC_OK) {
+        *out = f;
+        return YC_OK;
+    }
+    yci_ldl_destroy(f);
+    return ok ? result : yci_out_of_memory(c, "a sparse factorisation");
+}
+
+/* ------------------------------------------------------------------------------------ direct: numbers and solve --- */
+
+/* One panel of columns [begin, end) of a front whose first `width` columns are in `panel`, the rest in `update`. Rows
+ * and columns from `end` on go in groups of four, starting anew at `width`, where the other array begins. */
+typedef struct yci_ldl_front {
+    yci_ldl *f;
+    double *panel, *update;
+    int width, height, begin, end;
+    int inner, groups; /* groups before `width`; all groups */
+} yci_ldl_front;
+
+static int yci_ldl_group(const yci_ldl_front *front, int group, int *count) {
+    int start = group < front->inner ? front->end + 4 * group : front->width + 4 * (group - front->inner);
+    int limit = group < front->inner ? front->width : front->height;
+    *count = limit - start < 4 ? limit - start : 4;
+    return start;
+}
+
+/* L(:, columns) = W inverse(D) for the rows below a node's block, in place; W and L are packed on the way. */
+YC_FN void yci_ldl_scale(
+    int d, int rows, double *w, size_t ld, const double *inverse, double *packed, double *scaled, int steps) {
+    int i, a, b;
+    for (i = 0; i < rows; i++) {
+        double t[YCI_BLOCK_MAX];
+        size_t at = (size_t)(i / 4) * 4 * (size_t)steps + (size_t)(i % 4);
+        for (a = 0; a < d; a++) scaled[at + (size_t)(4 * a)] = t[a] = w[(size_t)a * ld + (size_t)i];
+        for (a = 0; a < d; a++) {
+            double sum = 0.0;
+            for (b = 0; b < d; b++) sum += inverse[a * d + b] * t[b];
+            packed[at + (size_t)(4 * a)] = w[(size_t)a * ld + (size_t)i] = sum;
+        }
+    }
+}
+
+static void yci_ldl_scale_rows(
+    const yci_ldl_front *front, int from, int to, int group, int column, int d, const double *inverse) {
+    int steps = front->end - front->begin, k = column - front->begin;
+    size_t h = (size_t)front->height, at = (size_t)group * 4 * (size_t)steps + (size_t)(4 * k);
+    double *w = front->panel + (size_t)column * h + from;
+    double *packed = front->f->packed + at, *scaled = front->f->scaled + at;
+    if (d == 3) yci_ldl_scale(3, to - from, w, h, inverse, packed, scaled, steps);
+    else if (d == 1) yci_ldl_scale(1, to - from, w, h, inverse, packed, scaled, steps);
+    else yci_ldl_scale(d, to - from, w, h, inverse, packed, scaled, steps);
+}
+
+/* Factors one node of the panel: subtracts the panel's earlier columns from its columns, inverts its diagonal block,
+ * and divides the rows below by it. `own` is the node's diagonal block before anything was subtracted. Returns 0 when
+ * the block has no inverse (or, for spd, is not positive definite). */
+static int yci_ldl_node(const yci_ldl_front *front, int column, int d, const double *own, int spd) {
+    yci_ldl *f = front->f;
+    size_t h = (size_t)front->height;
+    double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX] = {0.0}, inverse[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
+    double *corner = front->panel + (size_t)column * h + column;
+    int a, b, i, k = column - front->begin;
+    for (a = 0; a < d; a++)
+        yci_dense_subtract(front->height - column, k, front->panel + (size_t)front->begin * h + column, h,
+            f->within + (k + a) * YCI_PANEL, corner + (size_t)a * h);
+    for (a = 0; a < d; a++)
+        for (b = 0; b <= a; b++) block[a * d + b] = block[b * d + a] = corner[(size_t)b * h + (size_t)a];
+    if (spd ? !yci_block_invert_spd(d, block, own, d + 1, inverse) : !(yci_block_invert(d, block, own, inverse) > 0.0))
+        return 0;
+    for (a = 0; a < d; a++) {
+        for (i = column + d; i < front->end; i++)
+            f->within[(i - front->begin) * YCI_PANEL + k + a] = corner[(size_t)a * h + (size_t)(i - column)];
+        for (b = 0; b < d; b++) corner[(size_t)a * h + (size_t)b] = inverse[a * d + b];
+    }
+    for (i = d; i < front->end - column; i++) {
+        double t[YCI_BLOCK_MAX];
+        for (a = 0; a < d; a++) t[a] = corner[(size_t)a * h + (size_t)i];
+        for (a = 0; a < d; a++) {
+            double sum = 0.0;
+            for (b = 0; b < d; b++) sum += inverse[a * d + b] * t[b];
+            corner[(size_t)a * h + (size_t)i] = sum;
+        }
+    }
+    yci_ldl_scale_rows(front, front->end, front->width, 0, column, d, inverse);
+    yci_ldl_scale_rows(front, front->width, front->height, front->inner, column, d, inverse);
+    return 1;
+}
+
+/* F22 -= L21 W21' for groups [first, last) of columns, at and below the diagonal. */
+static void yci_ldl_update(void *arg, int first, int last) {
+    const yci_ldl_front *front = (const yci_ldl_front *)arg;
+    int steps = front->end - front->begin, below = front->height - front->width, i, j;
+    for (j = first; j < last; j++) {
+        int columns, column = yci_ldl_group(front, j, &columns), inside = j < front->inner;
+        int shift = inside ? 0 : front->width;
+        size_t ld = (size_t)(inside ? front->height : below);
+        double *target = (inside ? front->panel : front->update) + (size_t)(column - shift) * ld;
+        const double *scaled = front->f->scaled + (size_t)j * 4 * (size_t)steps;
+        for (i = j; i < front->groups; i++) {
+            int rows, row = yci_ldl_group(front, i, &rows);
+            yci_dense_tile(steps, front->f->packed + (size_t)i * 4 * (size_t)steps, scaled, target + (row - shift), ld,
+                rows, columns);
+        }
+    }
+}
+
+/* Adds a child's update matrix (its lower triangle) to the front. Rows that stay neighbours are added as one run. */
+static void yci_ldl_extend(const yci_ldl *f, const yci_ldl_super *child, const yci_ldl_front *front) {
+    int rows = child->height - child->width, below = front->height - front->width, j, i, a, b;
+    const double *from = f->update + child->update;
+    int column = 0;
+    for (j = child->row_begin; j < child->row_end; j++) {
+        int d = f->start[f->row[j] + 1] - f->start[f->row[j]], to = f->rel[j], inside = to < front->width;
+        size_t ld = (size_t)(inside ? front->height : below);
+        int shift = inside ? 0 : front->width, at = column;
+        double *target = (inside ? front->panel : front->update) + (size_t)(to - shift) * ld;
+        for (i = j; i < child->row_end;) {
+            int run = 0, place = f->rel[i];
+            while (i < child->row_end && f->rel[i] == place + run)
+                run += f->start[f->row[i] + 1] - f->start[f->row[i]], i++;
+            for (a = 0; a < d; a++) {
+                double *y = target + (size_t)a * ld + (place - shift);
+                const double *x = from + (size_t)(column + a) * (size_t)rows + at;
+                for (b = 0; b < run; b++) y[b] += x[b];
+            }
+            at += run;
+        }
+        column += d;
+    }
+}
+
+/* Assembles and factors one supernode. Returns the position that failed, or -1. */
+static int yci_ldl_super_factor(yci_ldl *f, const yci_ldl_super *s, const double *val, const size_t *at, int spd) {
+    yci_ldl_front front;
+    size_t h = (size_t)s->height, below = (size_t)(s->height - s->width);
+    int i, k, a, b, child, position = s->first;
+    front.f = f, front.width = s->width, front.height = s->height;
+    front.panel = f->panel + s->panel, front.update = f->update + s->update;
+    memset(front.panel, 0, (size_t)s->width * h * sizeof(double));
+    memset(front.update, 0, below * below * sizeof(double));
+    for (i = s->first; i < s->last; i++) {
+        int d = f->start[i + 1] - f->start[i];
+        double *columns = front.panel + (size_t)(f->start[i] - f->start[s->first]) * h;
+        for (k = f->entry_begin[i]; k < f->entry_begin[i + 1]; k++) {
+            const double *x = val + at[f->entry[k].block];
+            double *y = columns + f->entry[k].row;
+            int rows = f->entry[k].rows;
+            for (a = 0; a < d; a++)
+                for (b = 0; b < rows; b++) y[(size_t)a * h + (size_t)b] = x[a * rows + b];
+        }
+    }
+    for (child = s->child; child >= 0; child = f->super[child].next) yci_ldl_extend(f, f->super + child, &front);
+    for (front.begin = 0; front.begin < s->width; front.begin = front.end) {
+        int first = position, column = front.begin, work;
+        front.end = front.begin;
+        while (position < s->last && f->start[position + 1] - f->start[first] <= YCI_PANEL)
+            front.end = front.begin + f->start[++position] - f->start[first];
+        front.inner = (s->width - front.end + 3) / 4, front.groups = front.inner + (s->height - s->width + 3) / 4;
+        for (i = first; i < position; i++) {
+            int d = f->start[i + 1] - f->start[i];
+            if (!yci_ldl_node(&front, column, d, val + at[f->entry[f->entry_begin[i]].block], spd)) return i;
+            column += d;
+        }
+        work = (front.end - front.begin) * (front.groups + 1);
+        yci_parallel(f->c, front.groups, 1 + 16384 / work, yci_ldl_update, &front);
+    }
+    return -1;
+}
+
+/* Factors the matrix with these values: val[at[k]] starts block k of the analysed pattern. Both triangles must hold the
+ * same matrix; which of two mirrored blocks is read depends on the ordering. After a failure there is no factor. */
+static yc_result yci_ldl_factor(yci_ldl *f, const double *val, const size_t *at, int spd) {
+    int s;
+    f->factored = 0;
+    for (s = 0; s < f->supers; s++) {
+        int bad = yci_ldl_super_factor(f, f->super + s, val, at, spd);
+        if (bad >= 0 && spd)
+            return yci_fail(f->c, YC_ERROR_NOT_SPD, "the matrix is not positive definite at node %d", f->node[bad]);
+        if (bad >= 0) return yci_fail(f->c, YC_ERROR_SINGULAR, "the matrix is singular at node %d", f->node[bad]);
+    }
+    f->factored = 1;
+    return YC_OK;
+}
+
+/* Numbers of `work` for a solve. */
+static size_t yci_ldl_work(const yci_ldl *f, int count) { return (size_t)f->size * (size_t)count + (size_t)f->widest; }
+
+/* y := inverse(L) y on one supernode's rows. */
+static void yci_ldl_forward(const yci_ldl *f, const yci_ldl_super *s, double *y, double *below) {
+    const double *panel = f->panel + s->panel;
+    size_t h = (size_t)s->height;
+    double *own = y + f->start[s->first];
+    int i, k, a, d, column = 0, rows = s->height - s->width;
+    for (i = s->first; i < s->last; i++) {
+        d = f->start[i + 1] - f->start[i];
+        yci_dense_subtract(
+            s->width - column - d, d, panel + (size_t)column * h + column + d, h, own + column, own + column + d);
+        column += d;
+    }
+    for (i = 0; i < rows; i++) below[i] = 0.0;
+    yci_dense_subtract(rows, s->width, panel + s->width, h, own, below);
+    for (k = s->row_begin; k < s->row_end; k++) {
+        double *to = y + f->start[f->row[k]];
+        d = f->start[f->row[k] + 1] - f->start[f->row[k]];
+        for (a = 0; a < d; a++) to[a] += *below++;
+    }
+}
+
+/* y := inverse(L') inverse(D) y on one supernode's unknowns. */
+static void yci_ldl_backward(const yci_ldl *f, const yci_ldl_super *s, double *y, double *below) {
+    const double *panel = f->panel + s->panel;
+    size_t h = (size_t)s->height;
+    double *own = y + f->start[s->first];
+    int i, k, a, b, d, column = 0, used = 0;
+    for (i = s->first; i < s->last; i++) {
+        double t[YCI_BLOCK_MAX];
+        d = f->start[i + 1] - f->start[i];
+        for (a = 0; a < d; a++) t[a] = own[column + a], own[column + a] = 0.0;
+        for (b = 0; b < d; b++)
+            for (a = 0; a < d; a++) own[column + a] += panel[(size_t)(column + b) * h + (size_t)(column + a)] * t[b];
+        column += d;
+    }
+    for (k = s->row_begin; k < s->row_end; k++) {
+        const double *from = y + f->start[f->row[k]];
+        d = f->start[f->row[k] + 1] - f->start[f->row[k]];
+        for (a = 0; a < d; a++) below[used++] = from[a];
+    }
+    yci_dense_subtract_transposed(used, s->width, panel + s->width, h, below, own);
+    for (i = s->last - 1; i >= s->first; i--) {
+        d = f->start[i + 1] - f->start[i], column -= d;
+        yci_dense_subtract_transposed(
+            s->width - column - d, d, panel + (size_t)column * h + column + d, h, own + column + d, own + column);
+    }
+}
+
+/* x := inverse(A) x for `count` right-hand sides x[k*ld + i] in the caller's numbering. Needs a factor; `work` has
+ * yci_ldl_work(f, count) numbers. */
+static void yci_ldl_solve(const yci_ldl *f, double *x, int count, int ld, double *work) {
+    size_t size = (size_t)f->size;
+    double *below = work + size * (size_t)count;
+    int s, i, k, a;
+    for (k = 0; k < count; k++)
+        for (i = 0; i < f->active; i++)
+            for (a = 0; a < f->start[i + 1] - f->start[i]; a++)
+                work[(size_t)k * size + (size_t)(f->start[i] + a)] =
+                    x[(size_t)k * (size_t)ld + (size_t)(f->offset[i] + a)];
+    for (s = 0; s < f->supers; s++)
+        for (k = 0; k < count; k++) yci_ldl_forward(f, f->super + s, work + (size_t)k * size, below);
+    for (s = f->supers - 1; s >= 0; s--)
+        for (k = 0; k < count; k++) yci_ldl_backward(f, f->super + s, work + (size_t)k * size, below);
+    for (k = 0; k < count; k++)
+        for (i = 0; i < f->active; i++)
+            for (a = 0; a < f->start[i + 1] - f->start[i]; a++)
+                x[(size_t)k * (size_t)ld + (size_t)(f->offset[i] + a)] =
+                    work[(size_t)k * size + (size_t)(f->start[i] + a)];
+}
+
+/* --------------------------------------------------------------------------------------------------- incomplete --- */
+
+/* A ~ L L' on the pattern of A between the included nodes, block row by block row (Saad, Iterative Methods for Sparse
+ * Linear Systems, 10.3, with blocks for entries). A pivot block that is not positive definite restarts the
+ * factorisation with the diagonal blocks of A times 1 + shift (after Manteuffel, Math. Comp. 34, 1980); after
+ * YCI_IC_RAISES raises, 1e-3 to 1, only the diagonal blocks are kept. */
+#define YCI_IC_RAISES 7
+
+typedef struct yci_ic {
+    yci_context *c;
+    int count;
+    int *node, *off, *dim; /* per included node, in order: node of the matrix, its first unknown, its unknowns */
+    int *ptr, *col;        /* count + 1: blocks left of the diagonal, ascending positions */
+    int *source;           /* their blocks in the matrix */
+    int *diag;             /* count: the diagonal's block in the matrix */
+    size_t *at, *corner;   /* first value of each block of L, and of each inverse diagonal block */
+    double *val;
+    int *mark;         /* count: block of the current row in this column, or -1 */
+    double shift;      /* what the last factorisation needed; 0: nothing */
+    int diagonal_only; /* 1 when even the last shift failed */
+} yci_ic;
+
+static void yci_ic_destroy(yci_ic *f) {
+    yci_context *c;
+    if (!f) return;
+    c = f->c;
+    yci_free(c, f->node), yci_free(c, f->off), yci_free(c, f->dim), yci_free(c, f->ptr), yci_free(c, f->col);
+    yci_free(c, f->source), yci_free(c, f->diag), yci_free(c, f->at), yci_free(c, f->corner), yci_free(c, f->val);
+    yci_free(c, f->mark);
+    yci_free(c, f);
+}
+
+/* Lays out L: `pos` gives a node's place in the order, or -1. Rows are short, so each is sorted by insertion. */
+static void yci_ic_layout(yci_ic *f, const yci_bsr *m, const int *pos) {
+    size_t values = 0;
+    int i, k, at = 0;
+    for (i = 0; i < f->count; i++) {
+        int v = f->node[i], begin = at;
+        f->off[i] = m->off[v], f->dim[i] = m->dim[v], f->diag[i] = m->diag[v];
+        for (k = m->ptr[v]; k < m->ptr[v + 1]; k++) {
+            int j = pos[m->col[k]], slot = at;
+            if (j < 0 || j >= i) continue;
+            for (; slot > begin && f->col[slot - 1] > j; slot--)
+                f->col[slot] = f->col[slot - 1], f->source[slot] = f->source[slot - 1];
+            f->col[slot] = j, f->source[slot] = k, at++;
+        }
+        for (k = begin; k < at; k++) f->at[k] = values, values += (size_t)(f->dim[i] * f->dim[f->col[k]]);
+        f->corner[i] = values, values += (size_t)(f->dim[i] * f->dim[i]);
+        f->ptr[i + 1] = at;
+    }
+    f->corner[f->count] = values;
+}
+
+/* Prepares an incomplete factorisation of the rows and columns of `order[0..count)`, in that order. On failure *out is
+ * NULL. */
+static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *order, int count, yci_ic **out) {
+    yci_ic *f = YCI_NEW(c, yci_ic, 1);
+    int *pos = YCI_NEW(c, int, m->n), i, ok = f && pos;
+    size_t blocks = ((size_t)m->ptr[m->n] - (size_t)m->n) / 2;
+    yc_result result = YC_OK;
+    *out = NULL;
+    if (f) f->c = c;
+    if (ok) {
+        f->count = count;
+        f->node = YCI_NEW(c, int, count), f->off = YCI_NEW(c, int, count), f->dim = YCI_NEW(c, int, count);
+        f->ptr = YCI_NEW(c, int, (size_t)count + 1), f->col = YCI_NEW(c, int, blocks);
+        f->source = YCI_NEW(c, int, blocks), f->diag = YCI_NEW(c, int, count), f->mark = YCI_NEW(c, int, count);
+        f->at = YCI_NEW(c, size_t, blocks), f->corner = YCI_NEW(c, size_t, (size_t)count + 1);
+        ok = f->node && f->off && f->dim && f->ptr && f->col && f->source && f->diag && f->mark && f->at && f->corner;
+    }
+    for (i = 0; ok && i < m->n; i++) pos[i] = -1;
+    for (i = 0; ok && result == YC_OK && i < count; i++) {
+        int v = order[i];
+        if (v < 0 || v >= m->n || pos[v] >= 0)
+            result = yci_fail(
+                c, YC_ERROR_ARGUMENT, "incomplete factorisation: order entry %d is %d, of %d nodes", i, v, m->n);
+        else pos[v] = i, f->node[i] = v, f->mark[i] = -1;
+    }
+    if (ok && result == YC_OK) {
+        yci_ic_layout(f, m, pos);
+        f->val = YCI_NEW(c, double, f->corner[count]);
+        ok = f->val != NULL;
+    }
+    yci_free(c, pos);
+    if (ok && result == YC_OK) {
+        *out = f;
+        return YC_OK;
+    }
+    yci_ic_destroy(f);
+    return ok ? result : yci_out_of_memory(c, "an incomplete factorisation");
+}
+
+/* Factors the diagonal block of row i, scaled by 1 + shift before the row's blocks are subtracted, and keeps the
+ * inverse of its Cholesky factor. The whole block is scaled, not its diagonal: that leaves its soft directions soft,
+ * such as a yarn sliding along itself. */
+static int yci_ic_pivot(yci_ic *f, const yci_bsr *m, int i, double shift) {
+    const double *a = m->val + m->at[f->diag[i]];
+    double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
+    int d = f->dim[i], k;
+    for (k = 0; k < d * d; k++) block[k] = a[k] * (1.0 + shift);
+    for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++) {
+        const double *l = f->val + f->at[k];
+        yci_block_subtract_product(d, d, f->dim[f->col[k]], l, l, block);
+    }
+    if (!yci_block_cholesky(d, block, a, d + 1)) return 0;
+    yci_block_invert_lower(d, block, f->val + f->corner[i]);
+    return 1;
+}
+
+/* Blocks of row i: L(i,j) = (A(i,j) - sum over k < j of L(i,k) L(j,k)') inverse(G(j)'). */
+static void yci_ic_row(yci_ic *f, const yci_bsr *m, int i) {
+    int d = f->dim[i], k, p, a, b, q;
+    for (k = f->ptr[i]; k < f->ptr[i + 1]; k++) {
+        int j = f->col[k], e = f->dim[j];
+        double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX], *l = f->val + f->at[k];
+        const double *source = m->val + m->at[f->source[k]], *inverse = f->val + f->corner[j];
+        for (a = 0; a < d * e; a++) block[a] = source[a];
+        for (p = f->ptr[j]; p < f->ptr[j + 1]; p++) {
+            int other = f->mark[f->col[p]];
+            if (other >= 0)
+                yci_block_subtract_product(d, e, f->dim[f->col[p]], f->val + f->at[other], f->val + f->at[p], block);
+        }
+        for (a = 0; a < d; a++)
+            for (b = 0; b < e; b++) {
+                double sum = 0.0;
+                for (q = 0; q <= b; q++) sum += block[a * e + q] * inverse[b * e + q];
+                l[a * e + b] = sum;
+            }
+        f->mark[j] = k;
+    }
+    for (k = f->ptr[i]; k < f->ptr[i + 1]; k++) f->mark[f->col[k]] = -1;
+}
+
+/* Returns the row whose pivot failed, or -1. */
+static int yci_ic_attempt(yci_ic *f, const yci_bsr *m, double shift) {
+    int i;
+    for (i = 0; i < f->count; i++) {
+        if (!f->diagonal_only) yci_ic_row(f, m, i);
+        if (!yci_ic_pivot(f, m, i, shift)) return i;
+    }
+    return -1;
+}
+
+/* Factors m, which has the pattern given at creation. f->shift and f->diagonal_only tell what it took. Fails only when
+ * a diagonal block itself is not positive definite; then there is no factor. */
+static yc_result yci_ic_factor(yci_ic *f, const yci_bsr *m) {
+    static const double shifts[YCI_IC_RAISES + 1] = {0.0, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0};
+    int raise, bad;
+    f->diagonal_only = 0;
+    for (raise = 0; raise <= YCI_IC_RAISES; raise++) {
+        f->shift = shifts[raise];
+        if (yci_ic_attempt(f, m, f->shift) < 0) return YC_OK;
+    }
+    f->diagonal_only = 1, f->shift = 0.0;
+    bad = yci_ic_attempt(f, m, 0.0);
+    if (bad < 0) return YC_OK;
+    return yci_fail(f->c, YC_ERROR_NOT_SPD, "the diagonal block of node %d is not positive definite", f->node[bad]);
+}
+
+/* y := G y or G' y for the inverse diagonal block G, which is lower triangular. */
+static void yci_ic_corner(int d, const double *g, double *y, int transposed) {
+    int a, b;
+    if (!transposed)
+        for (a = d - 1; a >= 0; a--) {
+            double sum = 0.0;
+            for (b = 0; b <= a; b++) sum += g[a * d + b] * y[b];
+            y[a] = sum;
+        }
+    else
+        for (a = 0; a < d; a++) {
+            double sum = 0.0;
+            for (b = a; b < d; b++) sum += g[b * d + a] * y[b];
+            y[a] = sum;
+        }
+}
+
+/* x := inverse(L L') x, on the matrix's numbering; unknowns of nodes not included keep their values. */
+static void yci_ic_solve(const yci_ic *f, double *x) {
+    int i, k;
+    for (i = 0; i < f->count; i++) {
+        double *y = x + f->off[i];
+        for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++)
+            yci_block_subtract(f->dim[i], f->dim[f->col[k]], f->val + f->at[k], x + f->off[f->col[k]], y);
+        yci_ic_corner(f->dim[i], f->val + f->corner[i], y, 0);
+    }
+    for (i = f->count - 1; i >= 0; i--) {
+        double *y = x + f->off[i];
+        yci_ic_corner(f->dim[i], f->val + f->corner[i], y, 1);
+        for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++)
+            yci_block_subtract_transposed(f->dim[i], f->dim[f->col[k]], f->val + f->at[k], y, x + f->off[f->col[k]]);
+    }
+}
+
+/* ------------------------------------------------------------------------------------------------------- public --- */
+
+#define YCI_CHOL_TOGETHER 4 /* right-hand sides solved in one pass over L */
+
+struct yc_chol {
+    yci_context context;
+    int n, spd;
+    size_t entries;
+    size_t *to, *mirror; /* places of each value in the block matrix, in both triangles; entries above are skipped */
+    yci_bsr m;
+    yci_ldl *ldl;
+    double *work;
+};
+
+YC_API void yc_chol_options_default(yc_chol_options *options) {
+    options->kind = YC_CHOL_SPD;
+    options->block = 1;
+    options->order = NULL;
+}
+
+YC_API void yc_chol_destroy(yc_chol *chol) {
+    yci_context c;
+    if (!chol) return;
+    yci_ldl_destroy(chol->ldl);
+    yci_bsr_destroy(&chol->context, &chol->m);
+    yci_free(&chol->context, chol->to), yci_free(&chol->context, chol->mirror), yci_free(&chol->context, chol->work);
+    c = chol->context;
+    yci_free(&c, chol);
+}
+
+/* A pattern is right when its rows ascend without duplicates and it is lower, or mirrored in full. `cursor` (n) walks
+ * every row once: entry (i, j) must find (j, i) next in row j. */
+static yc_result yci_chol_check(yci_context *c, int n, const int *ptr, const int *col, int *cursor) {
+    int i, k, upper = 0;
+    if (ptr[0] != 0) return yci_fail(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[0] is %d", ptr[0]);
+    for (i = 0; i < n; i++) {
+        if (ptr[i + 1] < ptr[i])
+            return yci_fail(
+                c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[%d] is %d, after %d", i + 1, ptr[i + 1], ptr[i]);
+        for (k = ptr[i]; k < ptr[i + 1]; k++) {
+            if (col[k] < 0 || col[k] >= n)
+                return yci_fail(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: col[%d] is %d, n is %d", k, col[k], n);
+            if (k > ptr[i] && col[k] <= col[k - 1])
+                return yci_fail(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: row %d is not ascending: %s %d at col[%d]", i,
+                    col[k] == col[k - 1] ? "duplicate" : "unsorted", col[k], k);
+            upper |= col[k] > i;
+        }
+        cursor[i] = ptr[i];
+    }
+    for (i = 0; upper && i < n; i++)
+        for (k = ptr[i]; k < ptr[i + 1]; k++) {
+            int j = col[k];
+            if (cursor[j] >= ptr[j + 1] || col[cursor[j]++] != i)
+                return yci_fail(c, YC_ERROR_ARGUMENT,
+                    "yc_chol_analyze: (%d, %d) and (%d, %d) are not both there, "
+                    "and the pattern is not lower",
+                    i, j, j, i);
+        }
+    return YC_OK;
+}
+
+/* The block pattern, the places of the values in it, and its analysis. `pair` and `dim` are work arrays. */
+static yc_result yci_chol_build(
+    yc_chol *chol, const int *ptr, const int *col, const yc_chol_options *options, int (*pair)[2], int *dim) {
+    yci_context *c = &chol->context;
+    const yci_bsr *m = &chol->m;
+    int b = options->block, nodes = chol->n / b, i, k;
+    size_t pairs = 0;
+    yc_result result;
+    for (i = 0; i < nodes; i++) dim[i] = b;
+    for (i = 0; i < chol->n; i++)
+        for (k = ptr[i]; k < ptr[i + 1]; k++)
+            if (col[k] / b < i / b) pair[pairs][0] = i / b, pair[pairs++][1] = col[k] / b;
+    result = yci_bsr_create(c, nodes, dim, (const int(*)[2])pair, pairs, &chol->m);
+    if (result != YC_OK) return result;
+    for (i = 0; i < chol->n; i++)
+        for (k = ptr[i]; k < ptr[i + 1]; k++) {
+            int j = col[k];
+            chol->to[k] = chol->mirror[k] = m->at[m->ptr[nodes]];
+            if (j > i) continue;
+            chol->to[k] = m->at[yci_bsr_find(m, i / b, j / b)] + (size_t)(i % b * b + j % b);
+            chol->mirror[k] = m->at[yci_bsr_find(m, j / b, i / b)] + (size_t)(j % b * b + i % b);
+        }
+    result = yci_ldl_analyze(c, nodes, dim, m->ptr, m->col, options->order, &chol->ldl);
+    if (result != YC_OK) return result;
+    chol->work = YCI_NEW(c, double, yci_ldl_work(chol->ldl, YCI_CHOL_TOGETHER));
+    return chol->work ? YC_OK : yci_out_of_memory(c, "a solve's workspace");
+}
+
+YC_API yc_result yc_chol_analyze(
+    const yc_host *host, int n, const int *ptr, const int *col, const yc_chol_options *options, yc_chol **out) {
+    yci_context c;
+    yc_chol_options defaults;
+    yc_chol *chol;
+    int *dim = NULL, (*pair)[2] = NULL;
+    yc_result result;
+    if (!out) return YC_ERROR_ARGUMENT;
+    *out = NULL;
+    yc_chol_options_default(&defaults);
+    if (!options) options = &defaults;
+    result = yci_context_init(&c, host);
+    if (result == YC_OK && (n < 0 || !ptr || (n && ptr[n] && !col)))
+        result =
+            yci_fail(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: n is %d%s", n, n < 0 ? "" : ", a pattern array is NULL");
+    if (result == YC_OK &&
+        (options->block < 1 || options->block > YCI_BLOCK_MAX || n % options->block ||
+            (options->kind != YC_CHOL_SPD && options->kind != YC_CHOL_QUASIDEFINITE)))
+        result = yci_fail(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: kind is %d, block is %d, n is %d",
+            (int)options->kind, options->block, n);
+    if (result == YC_OK && !(chol = YCI_NEW(&c, yc_chol, 1))) result = yci_out_of_memory(&c, "a factorisation");
+    if (result != YC_OK) {
+        yci_log(&c, "%s", c.message);
+        return result;
+    }
+    chol->context = c, chol->n = n, chol->spd = options->kind == YC_CHOL_SPD;
+    dim = YCI_NEW(&chol->context, int, n);
+    result = dim ? yci_chol_check(&chol->context, n, ptr, col, dim) : yci_out_of_memory(&chol->context, "a pattern");
+    if (result == YC_OK) {
+        chol->entries = (size_t)ptr[n];
+        chol->to = YCI_NEW(&chol->context, size_t, chol->entries);
+        chol->mirror = YCI_NEW(&chol->context, size_t, chol->entries);
+        pair = (int(*)[2])yci_alloc(&chol->context, chol->entries, 2 * sizeof(int));
+        if (chol->to && chol->mirror && pair) result = yci_chol_build(chol, ptr, col, options, pair, dim);
+        else result = yci_out_of_memory(&chol->context, "a pattern");
+    }
+    yci_free(&chol->context, dim), yci_free(&chol->context, pair);
+    if (result == YC_OK) {
+        *out = chol;
+        return YC_OK;
+    }
+    yci_log(&chol->context, "%s", chol->context.message);
+    yc_chol_destroy(chol);
+    return result;
+}
+
+YC_API yc_result yc_chol_factor(yc_chol *chol, const double *values) {
+    size_t k, skipped;
+    if (!chol) return YC_ERROR_ARGUMENT;
+    if (chol->entries && !values) return yci_fail(&chol->context, YC_ERROR_ARGUMENT, "yc_chol_factor: values is NULL");
+    skipped = chol->m.at[chol->m.ptr[chol->m.n]];
+    for (k = 0; k < chol->entries; k++) {
+        if (chol->to[k] == skipped) continue;
+        if (!(fabs(values[k]) <= DBL_MAX))
+            return yci_fail(
+                &chol->context, YC_ERROR_ARGUMENT, "yc_chol_factor: values[%.0f] is %g", (double)k, values[k]);
+    }
+    for (k = 0; k < chol->entries; k++)
+        if (chol->to[k] != skipped) chol->m.val[chol->to[k]] = chol->m.val[chol->mirror[k]] = values[k];
+    return yci_ldl_factor(chol->ldl, chol->m.val, chol->m.at, chol->spd);
+}
+
+YC_API yc_result yc_chol_solve(const yc_chol *chol, double *x, int count, int ldx) {
+    int k;
+    if (!chol || !chol->ldl->factored || count < 0 || ldx < chol->n || (count && chol->n && !x))
+        return YC_ERROR_ARGUMENT;
+    for (k = 0; k < count; k += YCI_CHOL_TOGETHER) {
+        int together = count - k < YCI_CHOL_TOGETHER ? count - k : YCI_CHOL_TOGETHER;
+        yci_ldl_solve(chol->ldl, x + (size_t)k * (size_t)ldx, together, ldx, chol->work);
+    }
+    return YC_OK;
+}
+
+YC_API yc_result yc_chol_stats(const yc_chol *chol, yc_chol_statistics *out) {
+    if (!chol || !out) return YC_ERROR_ARGUMENT;
+    out->nonzeros = chol->ldl->nonzeros, out->flops = chol->ldl->flops;
+    out->supernodes = chol->ldl->supers, out->bytes = chol->context.bytes;
+    return YC_OK;
+}
+
+YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.message; }
+
+/* =====================================================================================================================
+ * >>fabric   (chapter 5)
+ *
+ * Lays a weave over a sewing pattern. A yarn is a list of visits (node, arc length u). A crossing is a node with two
+ * visits, one of a warp and one of a weft; a lone node has one visit, whose u is a held label.
+ *
+ * Frame. The pattern is turned by minus the grain, so that warps are lines at constant frame[0] and wefts at constant
+ * frame[1]; line k of family f lies at origin[f] + (k + 1/2) spacing[f]. A piece is a set of triangles connected across
+ * edges that are one edge on the mesh and in UV; its outline is what is left of its edges, free (one triangle on the
+ * mesh) or a welded seam (two). Each piece has its own lattice, centred in its bounding box; the rectangle that is laid
+ * without a mesh is two triangles with the lattice's origin at its corner.
+ *
+ * Clipping. A line meets an outline edge whose ends lie at lo < line <= hi; by this half-open rule the cuts of a line
+ * alternate between entering and leaving, whatever vertices it passes through. Each pair of cuts is a span, each span
+ * becomes a yarn:
+ *   - tail (from the last crossing to the outline) at least 0.3 spacings: the yarn ends in a lone node on the outline;
+ *   - shorter, free outline: the yarn ends at its last crossing;
+ *   - shorter, seam: the yarn lets go of its last crossing and ends on the outline, so that it reaches the seam without
+ *     a tiny segment; the crossing becomes a lone node of the other yarn.
+ * A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
+ *
+ * Rods. Seam edges chain up between branching points; along each chain the yarn ends of both sides, in order, are
+ * visited by a rod. Its u is the arc length along the seam, by the mean of both sides' pattern lengths. Ends closer
+ * than 0.05 spacings (often: equal pieces have equal lattices) are first moved apart along the seam to that distance,
+ * so that no segment of the rod is tiny and the rod still starts at rest. Where there is no room to move them, the
+ * rod's rest length is the greater. A rod along a closed chain is open between its last and first end.
+ *
+ * Promises: the result depends on nothing but the inputs; time is linear in triangles, crossings and yarns, but for the
+ * sorting of the cuts; working memory is freed before return, and the network is one block.
+ * ===================================================================================================================== */
+
+#define YCI_DESC_COOKIE 0x7961726eu
+#define YCI_WEAVE_LIMIT 100000000 /* nodes of one network, lines of one piece */
+#define YCI_WEAVE_TAIL 0.3        /* spacings; a shorter tail is not kept */
+#define YCI_WEAVE_GAP 0.05        /* spacings, between neighbouring visits of a rod */
+
+static int yci_finite(double x) { return x - x == 0.0; }
+
+YC_API yc_yarn_material yc_yarn_material_default(void) {
+    yc_yarn_material m;
+    m.stretch = 50.0, m.bending = 3e-9, m.density = 15e-6, m.radius = 72e-6;
+    m.shear = 4e-3, m.shear_limit = 0.9, m.contact = 1.0, m.friction = 0.3, m.slide = 100.0;
+    return m;
+}
+
+YC_API yc_triangle_material yc_triangle_material_default(void) {
+    yc_triangle_material m;
+    m.density = 0.12, m.stretch[0] = m.stretch[1] = 2000.0;
+    m.coupling = 0.0, m.shear = 60.0, m.bending = 8e-6;
+    return m;
+}
+
+YC_API yc_weave_desc yc_weave_desc_default(void) {
+    yc_weave_desc d;
+    memset(&d, 0, sizeof d);
+    d.cookie = YCI_DESC_COOKIE;
+    d.spacing[0] = d.spacing[1] = 2.5e-3;
+    d.repeat[0] = d.repeat[1] = 2;
+    d.warp = d.weft = d.rod = yc_yarn_material_default();
+    d.rod.density *= 2.0;
+    d.size[0] = d.size[1] = 0.2;
+    return d;
+}
+
+YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc) {
+    yc_triangle_material m;
+    double s0 = desc->spacing[0], s1 = desc->spacing[1];
+    m.density = desc->warp.density / s0 + desc->weft.density / s1;
+    m.stretch[0] = desc->weft.stretch / s1, m.stretch[1] = desc->warp.stretch / s0;
+    m.coupling = 0.0;
+    /* A crossing pays 1/2 k L phi^2 for each of its four pairs of segments, L the mean spacing, on an area of s0 s1. */
+    m.shear = 4.0 * 0.5 * (desc->warp.shear + desc->weft.shear) * 0.5 * (s0 + s1) / (s0 * s1);
+    m.bending = 0.5 * (desc->warp.bending / s0 + desc->weft.bending / s1);
+    return m;
+}
+
+/* ---- checks ------------------------------------------------------------------------------------------------------ */
+
+static yc_result yci_yarn_material_check(yci_context *c, const char *owner, const yc_yarn_material *m) {
+    static const char *const names[] = {
+        "stretch", "density", "radius", "slide", "bending", "shear", "contact", "friction", "shear_limit"};
+    double values[9];
+    int i;
+    values[0] = m->stretch, values[1] = m->density, values[2] = m->radius, values[3] = m->slide;
+    values[4] = m->bending, values[5] = m->shear, values[6] = m->contact;
+    values[7] = m->friction, values[8] = m->shear_limit;
+    for (i = 0; i < 9; i++) {
+        if (!yci_finite(values[i]))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be finite", owner, names[i], values[i]);
+        if (i < 4 && values[i] <= 0.0)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be greater than 0", owner, names[i], values[i]);
+        if (values[i] < 0.0)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "%s.%s = %g must not be negative", owner, names[i], values[i]);
+    }
+    if (m->friction > 10.0)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "%s.friction = %g must be at most 10", owner, m->friction);
+    if (m->shear_limit <= 0.0 || m->shear_limit > 0.5 * YCI_PI)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "%s.shear_limit = %g must lie in (0, pi/2]", owner, m->shear_limit);
+    return YC_OK;
+}
+
+/* Half-edge h = 3 t + k runs from corner k of triangle t to the next corner. */
+static int yci_half_next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
+static int yci_half_from(const int (*triangles)[3], int h) { return triangles[h / 3][h % 3]; }
+static int yci_half_to(const int (*triangles)[3], int h) { return yci_half_from(triangles, yci_half_next(h)); }
+
+static int yci_half_key(const int (*triangles)[3], int h, int higher) {
+    int a = yci_half_from(triangles, h), b = yci_half_to(triangles, h);
+    return (a < b) == (higher != 0) ? b : a;
+}
+
+/* Half-edges ordered by (lower vertex, higher vertex, number), by two passes of counting; NULL when out of memory. */
+static int *yci_half_order(yci_context *c, const yc_mesh *mesh) {
+    const int(*triangles)[3] = mesh->triangles;
+    int total = 3 * mesh->triangle_count, pass, k;
+    int *order = YCI_NEW(c, int, total), *other = YCI_NEW(c, int, total);
+    int *start = YCI_NEW(c, int, mesh->vertex_count + 1);
+    for (pass = 0; pass < 2 && order && other && start; pass++) {
+        memset(start, 0, ((size_t)mesh->vertex_count + 1) * sizeof *start);
+        for (k = 0; k < total; k++) start[yci_half_key(triangles, k, !pass) + 1]++;
+        for (k = 0; k < mesh->vertex_count; k++) start[k + 1] += start[k];
+        for (k = 0; k < total; k++) {
+            int h = pass ? other[k] : k;
+            (pass ? order : other)[start[yci_half_key(triangles, h, !pass)]++] = h;
+        }
+    }
+    if (pass < 2) yci_free(c, order), order = NULL;
+    yci_free(c, other);
+    yci_free(c, start);
+    return order;
+}
+
+static int yci_half_same_edge(const int (*triangles)[3], int a, int b) {
+    return yci_half_key(triangles, a, 0) == yci_half_key(triangles, b, 0) &&
+        yci_half_key(triangles, a, 1) == yci_half_key(triangles, b, 1);
+}
+
+static yc_result yci_mesh_check_arrays(yci_context *c, const yc_mesh *mesh) {
+    const int(*uvt)[3] = mesh->uv_triangles ? mesh->uv_triangles : mesh->triangles;
+    const char *uvt_name = mesh->uv_triangles ? "uv_triangles" : "triangles";
+    int i, k;
+    if (mesh->vertex_count < 3)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.vertex_count = %d must be at least 3", mesh->vertex_count);
+    if (mesh->triangle_count < 1 || mesh->triangle_count > 700000000)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.triangle_count = %d must lie in 1 .. 7e8", mesh->triangle_count);
+    if (mesh->uv_count < 3)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.uv_count = %d must be at least 3", mesh->uv_count);
+    if (!mesh->positions) return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.positions must not be NULL");
+    if (!mesh->triangles) return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.triangles must not be NULL");
+    if (!mesh->uv) return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.uv must not be NULL");
+    for (i = 0; i < mesh->vertex_count; i++)
+        for (k = 0; k < 3; k++)
+            if (!yci_finite(mesh->positions[i][k]))
+                return yci_fail(
+                    c, YC_ERROR_ARGUMENT, "mesh.positions[%d][%d] = %g must be finite", i, k, mesh->positions[i][k]);
+    for (i = 0; i < mesh->uv_count; i++)
+        for (k = 0; k < 2; k++)
+            if (!yci_finite(mesh->uv[i][k]))
+                return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.uv[%d][%d] = %g must be finite", i, k, mesh->uv[i][k]);
+    for (i = 0; i < mesh->triangle_count; i++) {
+        const int *t = mesh->triangles[i], *q = uvt[i];
+        double area;
+        for (k = 0; k < 3; k++) {
+            if (t[k] < 0 || t[k] >= mesh->vertex_count)
+                return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.triangles[%d][%d] = %d must lie in 0 .. %d", i, k, t[k],
+                    mesh->vertex_count - 1);
+            if (q[k] < 0 || q[k] >= mesh->uv_count)
+                return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.%s[%d][%d] = %d must lie in 0 .. %d of the UVs", uvt_name,
+                    i, k, q[k], mesh->uv_count - 1);
+        }
+        if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
+            return yci_fail(
+                c, YC_ERROR_TOPOLOGY, "mesh.triangles[%d] = %d %d %d: a vertex occurs twice", i, t[0], t[1], t[2]);
+        area = 0.5 *
+            ((mesh->uv[q[1]][0] - mesh->uv[q[0]][0]) * (mesh->uv[q[2]][1] - mesh->uv[q[0]][1]) -
+                (mesh->uv[q[2]][0] - mesh->uv[q[0]][0]) * (mesh->uv[q[1]][1] - mesh->uv[q[0]][1]));
+        if (!(area > 0.0) || !yci_finite(area))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.%s[%d]: area %g m^2 must be > 0", uvt_name, i, area);
+    }
+    return YC_OK;
+}
+
+/* Everything the library asks of a mesh: sizes, indices, finite numbers, positive UV areas, at most two triangles at an
+ * edge and these wound alike. */
+static yc_result yci_mesh_check(yci_context *c, const yc_mesh *mesh) {
+    yc_result result = yci_mesh_check_arrays(c, mesh);
+    int *order, k, total;
+    if (result != YC_OK) return result;
+    order = yci_half_order(c, mesh);
+    if (!order) return yci_out_of_memory(c, "the edges of a mesh");
+    total = 3 * mesh->triangle_count;
+    for (k = 0; k + 1 < total && result == YC_OK; k++) {
+        int a = order[k], b = order[k + 1], p = yci_half_key(mesh->triangles, a, 0);
+        int q = yci_half_key(mesh->triangles, a, 1);
+        if (!yci_half_same_edge(mesh->triangles, a, b)) continue;
+        if (k + 2 < total && yci_half_same_edge(mesh->triangles, a, order[k + 2]))
+            result =
+                yci_fail(c, YC_ERROR_TOPOLOGY, "mesh.triangles[%d], [%d] and [%d] share the edge of vertices %d and %d",
+                    a / 3, b / 3, order[k + 2] / 3, p, q);
+        else if (yci_half_from(mesh->triangles, a) == yci_half_from(mesh->triangles, b))
+            result = yci_fail(c, YC_ERROR_TOPOLOGY,
+                "mesh.triangles[%d] and [%d] are wound against each other at the edge of vertices %d and %d", a / 3,
+                b / 3, p, q);
+    }
+    yci_free(c, order);
+    return result;
+}
+
+static yc_result yci_yarns_check_nodes(yci_context *c, const yc_yarns *y, const yc_mesh *mesh) {
+    int i, k;
+    for (i = 0; i < y->node_count; i++) {
+        double sum = 0.0;
+        for (k = 0; k < 3; k++)
+            if (!yci_finite(y->layout[i][k]))
+                return yci_fail(
+                    c, YC_ERROR_ARGUMENT, "yarns.layout[%d][%d] = %g must be finite", i, k, y->layout[i][k]);
+        if (!mesh) continue;
+        if (y->triangle[i] < 0 || y->triangle[i] >= mesh->triangle_count)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.triangle[%d] = %d must lie in 0 .. %d", i, y->triangle[i],
+                mesh->triangle_count - 1);
+        for (k = 0; k < 3; k++) {
+            if (!yci_finite(y->weights[i][k]))
+                return yci_fail(
+                    c, YC_ERROR_ARGUMENT, "yarns.weights[%d][%d] = %g must be finite", i, k, y->weights[i][k]);
+            sum += y->weights[i][k];
+        }
+        if (fabs(sum - 1.0) > 1e-9)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.weights[%d]: sum %.17g must be 1", i, sum);
+    }
+    return YC_OK;
+}
+
+/* `visits` [node_count], zeroed, receives the number of visits of every node. */
+static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *visits) {
+    int i, k;
+    if (y->yarn_first[0] != 0)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[0] = %d must be 0", y->yarn_first[0]);
+    for (i = 0; i < y->yarn_count; i++) {
+        int first = y->yarn_first[i], last = y->yarn_first[i + 1];
+        if (last > y->visit_count || last - first < 2)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[%d] = %d must lie in %d .. %d (two visits or more)",
+                i + 1, last, first + 2, y->visit_count);
+        if (y->yarn_family[i] > YC_ROD)
+            return yci_fail(
+                c, YC_ERROR_ARGUMENT, "yarns.yarn_family[%d] = %d must lie in 0 .. 2", i, y->yarn_family[i]);
+        if (y->yarn_material[i] < 0 || y->yarn_material[i] >= y->material_count)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_material[%d] = %d must lie in 0 .. %d", i,
+                y->yarn_material[i], y->material_count - 1);
+        for (k = first; k < last; k++) {
+            int node = y->visit_node[k];
+            if (node < 0 || node >= y->node_count)
+                return yci_fail(
+                    c, YC_ERROR_ARGUMENT, "yarns.visit_node[%d] = %d must lie in 0 .. %d", k, node, y->node_count - 1);
+            if (!yci_finite(y->visit_u[k]))
+                return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.visit_u[%d] = %g must be finite", k, y->visit_u[k]);
+            if (k > first && !(y->visit_u[k] > y->visit_u[k - 1]))
+                return yci_fail(c, YC_ERROR_TOPOLOGY, "yarns.visit_u[%d] = %g must be greater than the %g before it", k,
+                    y->visit_u[k], y->visit_u[k - 1]);
+            if (k > first && node == y->visit_node[k - 1])
+                return yci_fail(
+                    c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: the same node twice in a row", k, node);
+            if (y->visit_layer[k] < -1 || y->visit_layer[k] > 1)
+                return yci_fail(
+                    c, YC_ERROR_ARGUMENT, "yarns.visit_layer[%d] = %d must lie in -1 .. 1", k, y->visit_layer[k]);
+            if (++visits[node] > 2)
+                return yci_fail(c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: a third visit of this node", k, node);
+        }
+    }
+    if (y->yarn_first[y->yarn_count] != y->visit_count)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[%d] = %d must be visit_count, %d", y->yarn_count,
+            y->yarn_first[y->yarn_count], y->visit_count);
+    for (i = 0; i < y->node_count; i++)
+        if (!visits[i]) return yci_fail(c, YC_ERROR_TOPOLOGY, "yarns.layout[%d]: no yarn visits this node", i);
+    for (k = 0; k < y->visit_count; k++)
+        if (visits[y->visit_node[k]] == 1 && !y->visit_held[k])
+            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.visit_held[%d] = 0 must be 1: node %d has no other visit", k,
+                y->visit_node[k]);
+    return YC_OK;
+}
+
+static yc_result yci_yarns_check(yci_context *c, const yc_yarns *y, const yc_mesh *mesh) {
+    yc_result result;
+    int *visits, i;
+    if (y->node_count < 2)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.node_count = %d must be at least 2", y->node_count);
+    if (y->yarn_count < 1)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_count = %d must be at least 1", y->yarn_count);
+    if (y->material_count < 1)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.material_count = %d must be at least 1", y->material_count);
+    if (!y->layout || !y->yarn_first || !y->yarn_family || !y->yarn_material || !y->visit_node || !y->visit_u ||
+        !y->visit_layer || !y->visit_held || !y->materials)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights and owner may be NULL");
+    if (mesh && (!y->triangle || !y->weights))
+        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.triangle and weights must not be NULL with a mesh");
+    for (i = 0; i < y->material_count; i++) {
+        char owner[48];
+        snprintf(owner, sizeof owner, "yarns.materials[%d]", i);
+        result = yci_yarn_material_check(c, owner, &y->materials[i]);
+        if (result != YC_OK) return result;
+    }
+    result = yci_yarns_check_nodes(c, y, mesh);
+    if (result != YC_OK) return result;
+    visits = YCI_NEW(c, int, y->node_count);
+    if (!visits) return yci_out_of_memory(c, "the check of a yarn network");
+    result = yci_yarns_check_visits(c, y, visits);
+    yci_free(c, visits);
+    return result;
+}
+
+static yc_result yci_weave_check(yci_context *c, const yc_weave_desc *d, int with_mesh) {
+    yc_result result;
+    int i;
+    if (d->cookie != YCI_DESC_COOKIE)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "weave.cookie: not made by yc_weave_desc_default()");
+    for (i = 0; i < 2; i++) {
+        if (!yci_finite(d->spacing[i]))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.spacing[%d] = %g must be finite", i, d->spacing[i]);
+        if (d->spacing[i] <= 0.0)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.spacing[%d] = %g must be greater than 0", i, d->spacing[i]);
+        if (d->repeat[i] < 1)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.repeat[%d] = %d must be at least 1", i, d->repeat[i]);
+        if (!with_mesh && !yci_finite(d->size[i]))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be finite", i, d->size[i]);
+        if (!with_mesh && d->size[i] <= 0.0)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be greater than 0", i, d->size[i]);
+    }
+    if (!yci_finite(d->grain)) return yci_fail(c, YC_ERROR_ARGUMENT, "weave.grain = %g must be finite", d->grain);
+    result = yci_yarn_material_check(c, "weave.warp", &d->warp);
+    if (result == YC_OK) result = yci_yarn_material_check(c, "weave.weft", &d->weft);
+    if (result == YC_OK && d->rod.density != 0.0) result = yci_yarn_material_check(c, "weave.rod", &d->rod);
+    return result;
+}
+
+/* ---- laying ------------------------------------------------------------------------------------------------------ */
+
+typedef struct {
+    double place[2];   /* layout, m */
+    double weights[3]; /* of the triangle's corners */
+    int triangle;      /* -1 until found */
+    int visits;        /* by yarns that will be made */
+    int over;          /* +1: the warp is the upper yarn of this crossing, -1: the lower; 0: an end on the outline */
+} yci_weave_node;
+
+/* Where a line meets the outline. Later also a yarn's end on a seam: line is then the chain, along the arc length on
+ * it, share the same before ends were moved apart. */
+typedef struct {
+    double along, share; /* position on the line; on the half-edge, 0 to 1 */
+    int line, half, enter, node;
+} yci_weave_cut;
+
+/* A stretch of a line inside a piece, and the yarn made of it; or a rod. */
+typedef struct {
+    double end[2], share[2]; /* of the two cuts */
+    int half[2];
+    int family, line;
+    int row, row_end; /* lines of the other family strictly between the ends */
+    int node;         /* warps: the node of `row`, the others follow */
+    int first, count; /* in visits */
+    int tip[2];       /* nodes on the outline, -1: none */
+} yci_weave_span;
+
+typedef struct {
+    double along; /* position on the line; u of a rod */
+    int node;
+} yci_weave_visit;
+
+typedef struct {
+    yci_context *c;
+    const yc_weave_desc *desc;
+    const yc_mesh *mesh;
+    const int (*uvt)[3];
+    const unsigned char *draft;
+    int repeat[2];
+    double turn[2]; /* cosine and sine of the grain */
+    int *twin;      /* [3 triangle_count], half-edge across the edge of the mesh, -1 at its border */
+    int piece_count;
+    int *piece_first, *piece_triangle; /* [piece_count + 1], [triangle_count] */
+    /* lattice of the piece at work */
+    double origin[2];
+    int line_first[2], line_end[2];
+    int *span_first; /* [lines + 1] spans of every warp of this piece */
+    int span_first_capacity;
+    /* growing */
+    yci_weave_node *nodes;
+    yci_weave_cut *cuts;
+    yci_weave_span *spans;
+    yci_weave_visit *visits;
+    int node_count, node_capacity, cut_count, cut_capacity, span_count, span_capacity, visit_count, visit_capacity;
+} yci_weaver;
+
+static const double *yci_weave_uv(const yci_weaver *w, int half) { return w->mesh->uv[yci_half_from(w->uvt, half)]; }
+
+static void yci_weave_to_frame(const yci_weaver *w, const double *uv, double *frame) {
+    frame[0] = w->turn[0] * uv[0] + w->turn[1] * uv[1];
+    frame[1] = w->turn[0] * uv[1] - w->turn[1] * uv[0];
+}
+
+static void yci_weave_from_frame(const yci_weaver *w, const double *frame, double *uv) {
+    uv[0] = w->turn[0] * frame[0] - w->turn[1] * frame[1];
+    uv[1] = w->turn[0] * frame[1] + w->turn[1] * frame[0];
+}
+
+static double yci_weave_line(const yci_weaver *w, int family, int line) {
+    return w->origin[family] + (line + 0.5) * w->desc->spacing[family];
+}
+
+/* The first line of the piece that lies at x or beyond; one past the last where there is none. */
+static int yci_weave_first_line(const yci_weaver *w, int family, double x) {
+    double guess = floor((x - w->origin[family]) / w->desc->spacing[family] - 0.5) - 1.0;
+    int line;
+    if (!(guess < w->line_end[family])) return w->line_end[family];
+    line = guess < w->line_first[family] ? w->line_first[family] : (int)guess;
+    while (line < w->line_end[family] && yci_weave_line(w, family, line) < x) line++;
+    return line;
+}
+
+/* An edge is one edge in UV, too: both triangles use the same UVs at its ends. */
+static int yci_weave_interior(const yci_weaver *w, int half) {
+    int twin = w->twin[half];
+    return twin >= 0 && yci_half_from(w->uvt, half) == yci_half_to(w->uvt, twin) &&
+        yci_half_to(w->uvt, half) == yci_half_from(w->uvt, twin);
+}
+
+static int yci_weave_root(int *parent, int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+}
+
+/* Twins of the half-edges, then the pieces by union-find across interior edges; pieces in the order of their first
+ * triangles. */
+static yc_result yci_weave_pieces(yci_weaver *w) {
+    int count = w->mesh->triangle_count, total = 3 * count, i, h;
+    int *order = yci_half_order(w->c, w->mesh), *parent = YCI_NEW(w->c, int, count), *piece = YCI_NEW(w->c, int, count);
+    int ok;
+    w->twin = YCI_NEW(w->c, int, total);
+    w->piece_first = YCI_NEW(w->c, int, count + 2);
+    w->piece_triangle = YCI_NEW(w->c, int, count);
+    ok = order && parent && piece && w->twin && w->piece_first && w->piece_triangle;
+    if (ok) {
+        for (h = 0; h < total; h++) w->twin[h] = -1;
+        for (h = 0; h + 1 < total; h++)
+            if (yci_half_same_edge(w->mesh->triangles, order[h], order[h + 1]))
+                w->twin[order[h]] = order[h + 1], w->twin[order[h + 1]] = order[h];
+        for (i = 0; i < count; i++) parent[i] = i;
+        for (h = 0; h < total; h++) {
+            int a, b;
+            if (!yci_weave_interior(w, h)) continue;
+            a = yci_weave_root(parent, h / 3), b = yci_weave_root(parent, w->twin[h] / 3);
+            if (a < b) parent[b] = a;
+            else parent[a] = b;
+        }
+        for (i = 0; i < count; i++) {
+            int root = yci_weave_root(parent, i); /* never above i */
+            piece[i] = root == i ? w->piece_count++ : piece[root];
+            w->piece_first[piece[i] + 2]++;
+        }
+        for (i = 0; i < w->piece_count; i++) w->piece_first[i + 2] += w->piece_first[i + 1];
+        for (i = 0; i < count; i++) w->piece_triangle[w->piece_first[piece[i] + 1]++] = i;
+    }
+    yci_free(w->c, order);
+    yci_free(w->c, parent);
+    yci_free(w->c, piece);
+    return ok ? YC_OK : yci_out_of_memory(w->c, "the pieces of a pattern");
+}
+
+static yc_result yci_weave_too_many(yci_weaver *w, double count, const char *what) {
+    return yci_fail(w->c, YC_ERROR_ARGUMENT, "weave.spacing = %g, %g gives about %.3g %s, more than %d",
+        w->desc->spacing[0], w->desc->spacing[1], count, what, YCI_WEAVE_LIMIT);
+}
+
+/* Refuses a weave whose arrays would not be counted by an int; crossings are one per area spacing[0] spacing[1]. */
+static yc_result yci_weave_check_count(yci_weaver *w) {
+    double count = 0.0;
+    int i;
+    for (i = 0; i < w->mesh->triangle_count; i++) {
+        const double *a = yci_weave_uv(w, 3 * i), *b = yci_weave_uv(w, 3 * i + 1), *d = yci_weave_uv(w, 3 * i + 2);
+        count += 0.5 * ((b[0] - a[0]) * (d[1] - a[1]) - (d[0] - a[0]) * (b[1] - a[1]));
+    }
+    count = count / w->desc->spacing[0] / w->desc->spacing[1];
+    return count <= YCI_WEAVE_LIMIT ? YC_OK : yci_weave_too_many(w, count, "crossings");
+}
+
+/* The lattice of a piece: centred in its bounding box, with margins of 1/4 to 3/4 spacing. The rectangle without a mesh
+ * has its origin at its corner and every line strictly inside. */
+static yc_result yci_weave_lattice(yci_weaver *w, int piece, int centred) {
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, frame[2];
+    int i, k, f;
+    for (i = w->piece_first[piece]; i < w->piece_first[piece + 1]; i++)
+        for (k = 0; k < 3; k++) {
+            yci_weave_to_frame(w, yci_weave_uv(w, 3 * w->piece_triangle[i] + k), frame);
+            for (f = 0; f < 2; f++) low[f] = yci_min(low[f], frame[f]), high[f] = yci_max(high[f], frame[f]);
+        }
+    for (f = 0; f < 2; f++) {
+        double s = w->desc->spacing[f], lines = (high[f] - low[f]) / s;
+        if (!(lines + fabs(low[f] / s) < YCI_WEAVE_LIMIT))
+            return yci_weave_too_many(w, lines + fabs(low[f] / s), "lines");
+        if (centred) {
+            w->line_first[f] = 0;
+            w->line_end[f] = (int)yci_max(1.0, floor(lines + 0.5));
+            w->origin[f] = 0.5 * (low[f] + high[f]) - 0.5 * w->line_end[f] * s;
+        } else {
+            w->origin[f] = 0.0;
+            w->line_first[f] = (int)ceil(low[f] / s - 0.5 + 1e-6);
+            w->line_end[f] = (int)floor(high[f] / s - 0.5 - 1e-6) + 1;
+        }
+    }
+    return YC_OK;
+}
+
+static int yci_weave_cut_less(const yci_weave_cut *a, const yci_weave_cut *b) {
+    if (a->line != b->line) return a->line < b->line;
+    if (a->along != b->along) return a->along < b->along;
+    if (a->enter != b->enter) return a->enter < b->enter;
+    return a->half != b->half ? a->half < b->half : a->node < b->node;
+}
+
+/* Shell's sort: in place, no recursion, the same everywhere. */
+static void yci_weave_sort_cuts(yci_weave_cut *cuts, int count) {
+    int gap, i, k;
+    for (gap = count; gap > 1;) {
+        gap = gap < 5 ? 1 : (int)(gap * 0.4545);
+        for (i = gap; i < count; i++) {
+            yci_weave_cut moved = cuts[i];
+            for (k = i; k >= gap && yci_weave_cut_less(&moved, &cuts[k - gap]); k -= gap) cuts[k] = cuts[k - gap];
+            cuts[k] = moved;
+        }
+    }
+}
+
+/* All cuts of the family's lines with the outline of the piece, sorted. */
+static yc_result yci_weave_cut_piece(yci_weaver *w, int piece, int family) {
+    int i, k, line;
+    w->cut_count = 0;
+    for (i = w->piece_first[piece]; i < w->piece_first[piece + 1]; i++)
+        for (k = 0; k < 3; k++) {
+            int half = 3 * w->piece_triangle[i] + k, up;
+            double p[2], q[2];
+            const double *low, *high;
+            if (yci_weave_interior(w, half)) continue;
+            yci_weave_to_frame(w, yci_weave_uv(w, half), p);
+            yci_weave_to_frame(w, yci_weave_uv(w, yci_half_next(half)), q);
+            up = p[family] < q[family];
+            low = up ? p : q, high = up ? q : p;
+            for (line = yci_weave_first_line(w, family, low[family]); line < w->line_end[family]; line++) {
+                double x = yci_weave_line(w, family, line), share;
+                yci_weave_cut *cut;
+                if (x > high[family]) break;
+                if (x <= low[family]) continue;
+                if (w->cut_count + w->span_count >= YCI_WEAVE_LIMIT)
+                    return yci_weave_too_many(w, (double)w->cut_count + w->span_count, "yarns");
+                if (!YCI_RESERVE(w->c, w->cuts, w->cut_capacity, w->cut_count, w->cut_count + 1))
+                    return yci_out_of_memory(w->c, "the outline of a pattern piece");
+                cut = &w->cuts[w->cut_count++];
+                share = (x - low[family]) / (high[family] - low[family]);
+                cut->along = low[1 - family] + share * (high[1 - family] - low[1 - family]);
+                cut->share = up ? share : 1.0 - share;
+                cut->line = line, cut->half = half, cut->node = -1;
+                cut->enter = up == (family == YC_WARP); /* the piece lies to the left of its outline */
+            }
+        }
+    yci_weave_sort_cuts(w->cuts, w->cut_count);
+    return YC_OK;
+}
+
+static yc_result yci_weave_overlap(yci_weaver *w, int half) {
+    return yci_fail(w->c, YC_ERROR_TOPOLOGY, "mesh.uv: the piece of triangle %d overlaps itself there", half / 3);
+}
+
+/* Pairs the sorted cuts up. The two sides of a slit may come in either order, by rounding: leaving goes first. */
+static yc_result yci_weave_pair_cuts(yci_weaver *w, int family) {
+    double close = 1e-9 * w->desc->spacing[1 - family];
+    int i, e;
+    if (w->cut_count % 2) return yci_weave_overlap(w, w->cuts[w->cut_count - 1].half);
+    for (i = 0; i < w->cut_count; i++) {
+        yci_weave_cut *cut = &w->cuts[i];
+        if (cut->enter != (i % 2 == 0)) {
+            yci_weave_cut swapped = *cut;
+            if (i + 1 == w->cut_count || cut[1].line != cut->line || cut[1].along - cut->along > close ||
+                cut[1].enter == cut->enter)
+                return yci_weave_overlap(w, cut->half);
+            cut[0] = cut[1], cut[1] = swapped;
+        }
+        if (i % 2 && cut->line != cut[-1].line) return yci_weave_overlap(w, cut->half);
+    }
+    if (!YCI_RESERVE(w->c, w->spans, w->span_capacity, w->span_count, w->span_count + w->cut_count / 2))
+        return yci_out_of_memory(w->c, "the yarns of a weave");
+    for (i = 0; i < w->cut_count; i += 2) {
+        yci_weave_span *span = &w->spans[w->span_count++];
+        memset(span, 0, sizeof *span);
+        span->family = family, span->line = w->cuts[i].line;
+        for (e = 0; e < 2; e++) {
+            span->end[e] = w->cuts[i + e].along, span->share[e] = w->cuts[i + e].share;
+            span->half[e] = w->cuts[i + e].half;
+            span->tip[e] = -1;
+        }
+        span->row = yci_weave_first_line(w, 1 - family, span->end[0]);
+        span->row_end = yci_weave_first_line(w, 1 - family, span->end[1]);
+        if (span->row < span->row_end && yci_weave_line(w, 1 - family, span->row) <= span->end[0]) span->row++;
+    }
+    return YC_OK;
+}
+
+/* The node at the crossing of a warp and a weft line, -1 outside the piece. */
+static int yci_weave_find(const yci_weaver *w, int warp, int weft) {
+    int k = warp - w->line_first[0], low = w->span_first[k], high = w->span_first[k + 1];
+    while (low < high) {
+        int middle = low + (high - low) / 2;
+        const yci_weave_span *span = &w->spans[middle];
+        if (weft < span->row) high = middle;
+        else if (weft >= span->row_end) low = middle + 1;
+        else return span->node + weft - span->row;
+    }
+    return -1;
+}
+
+static yc_result yci_weave_push_visit(yci_weaver *w, int node, double along) {
+    if (!YCI_RESERVE(w->c, w->visits, w->visit_capacity, w->visit_count, w->visit_count + 1))
+        return yci_out_of_memory(w->c, "the visits of a weave");
+    w->visits[w->visit_count].node = node, w->visits[w->visit_count].along = along;
+    w->visit_count++;
+    return YC_OK;
+}
+
+static yci_weave_node *yci_weave_push_node(yci_weaver *w) {
+    yci_weave_node *node;
+    if (!YCI_RESERVE(w->c, w->nodes, w->node_capacity, w->node_count, w->node_count + 1)) return NULL;
+    node = &w->nodes[w->node_count++];
+    memset(node, 0, sizeof *node);
+    node->triangle = -1;
+    return node;
+}
+
+/* Nodes of a warp's crossings. */
+static yc_result yci_weave_cross(yci_weaver *w, yci_weave_span *span) {
+    int row, column;
+    span->node = w->node_count;
+    column = span->line % w->repeat[0];
+    if (column < 0) column += w->repeat[0];
+    for (row = span->row; row < span->row_end; row++) {
+        yci_weave_node *node = yci_weave_push_node(w);
+        double frame[2];
+        int r = row % w->repeat[1];
+        if (!node) return yci_out_of_memory(w->c, "the nodes of a weave");
+        if (r < 0) r += w->repeat[1];
+        frame[0] = yci_weave_line(w, 0, span->line), frame[1] = yci_weave_line(w, 1, row);
+        yci_weave_from_frame(w, frame, node->place);
+        node->over = w->draft[(size_t)r * (size_t)w->repeat[0] + (size_t)column] ? 1 : -1;
+    }
+    return YC_OK;
+}
+
+/* The visits at crossings of all spans of the piece: warps from span `begin` on, wefts from span `wefts` on. A
+ * crossing on the outline may lie inside one family's span and outside the other's: a visit count of one tells. */
+static yc_result yci_weave_cross_piece(yci_weaver *w, int begin, int wefts) {
+    int i, k, row;
+    yc_result result = YC_OK;
+    if (!YCI_RESERVE(w->c, w->span_first, w->span_first_capacity, 0, w->line_end[0] - w->line_first[0] + 1))
+        return yci_out_of_memory(w->c, "the lines of a weave");
+    for (i = begin, k = 0; k <= w->line_end[0] - w->line_first[0]; k++) {
+        w->span_first[k] = i;
+        while (i < wefts && w->spans[i].line == k + w->line_first[0]) i++;
+    }
+    for (i = begin; i < wefts && result == YC_OK; i++) result = yci_weave_cross(w, &w->spans[i]);
+    for (i = begin; i < w->span_count && result == YC_OK; i++) {
+        yci_weave_span *span = &w->spans[i];
+        span->first = w->visit_count;
+        for (row = span->row; row < span->row_end && result == YC_OK; row++) {
+            int node = i < wefts ? span->node + row - span->row : yci_weave_find(w, row, span->line);
+            if (node < 0) continue;
+            w->nodes[node].visits++;
+            result = yci_weave_push_visit(w, node, yci_weave_line(w, 1 - span->family, row));
+        }
+        span->count = w->visit_count - span->first;
+    }
+    return result;
+}
+
+/* The triangle's claim on a node: it is kept where the least weight is greater than with the triangles before. */
+static void yci_weave_claim(yci_weaver *w, int triangle, yci_weave_node *node) {
+    const double *a = yci_weave_uv(w, 3 * triangle), *b = yci_weave_uv(w, 3 * triangle + 1);
+    const double *d = yci_weave_uv(w, 3 * triangle + 2);
+    double e0 = b[0] - a[0], e1 = b[1] - a[1], f0 = d[0] - a[0], f1 = d[1] - a[1];
+    double p0 = node->place[0] - a[0], p1 = node->place[1] - a[1], area = e0 * f1 - e1 * f0, weights[3];
+    weights[1] = (p0 * f1 - p1 * f0) / area;
+    weights[2] = (e0 * p1 - e1 * p0) / area;
+    weights[0] = 1.0 - weights[1] - weights[2];
+    if (node->triangle >= 0 &&
+        yci_min(yci_min(weights[0], weights[1]), weights[2]) <=
+            yci_min(yci_min(node->weights[0], node->weights[1]), node->weights[2]))
+        return;
+    node->triangle = triangle;
+    yci_copy(node->weights, weights);
+}
+
+/* Runs over the crossings in and, to rounding, around a triangle: warp by warp. */
+static void yci_weave_locate(yci_weaver *w, int triangle) {
+    double p[3][2], close0 = 1e-9 * w->desc->spacing[0], close1 = 1e-9 * w->desc->spacing[1], least, most;
+    int k, warp, weft;
+    for (k = 0; k < 3; k++) yci_weave_to_frame(w, yci_weave_uv(w, 3 * triangle + k), p[k]);
+    least = yci_min(yci_min(p[0][0], p[1][0]), p[2][0]) - close0;
+    most = yci_max(yci_max(p[0][0], p[1][0]), p[2][0]) + close0;
+    for (warp = yci_weave_first_line(w, 0, least); warp < w->line_end[0]; warp++) {
+        double x = yci_weave_line(w, 0, warp), low = HUGE_VAL, high = -HUGE_VAL;
+        if (x > most) break;
+        for (k = 0; k < 3; k++) {
+            const double *a = p[k], *b = p[(k + 1) % 3];
+            double wide = b[0] - a[0], y;
+            if (fabs(wide) <= 2.0 * close0) {
+                if (fabs(x - a[0]) > 3.0 * close0) continue;
+                low = yci_min(low, yci_min(a[1], b[1])), high = yci_max(high, yci_max(a[1], b[1]));
+            } else {
+                if ((x - a[0]) / wide < -close0 / fabs(wide) || (x - b[0]) / wide > close0 / fabs(wide)) continue;
+                y = a[1] + yci_clamp((x - a[0]) / wide, 0.0, 1.0) * (b[1] - a[1]);
+                low = yci_min(low, y), high = yci_max(high, y);
+            }
+        }
+        for (weft = yci_weave_first_line(w, 1, low - close1); weft < w->line_end[1]; weft++) {
+            int node;
+            if (yci_weave_line(w, 1, weft) > high + close1) break;
+            node = yci_weave_find(w, warp, weft);
+            if (node >= 0) yci_weave_claim(w, triangle, &w->nodes[node]);
+        }
+    }
+}
+
+/* Puts a node on a half-edge. */
+static void yci_weave_place(const yci_weaver *w, yci_weave_node *node, int half, double share) {
+    const double *a = yci_weave_uv(w, half), *b = yci_weave_uv(w, yci_half_next(half));
+    node->triangle = half / 3;
+    node->weights[half % 3] = 1.0 - share, node->weights[(half + 1) % 3] = share, node->weights[(half + 2) % 3] = 0.0;
+    node->place[0] = a[0] + share * (b[0] - a[0]), node->place[1] = a[1] + share * (b[1] - a[1]);
+}
+
+/* Decides how a span ends, by the rules in the head of this chapter. */
+static yc_result yci_weave_ends(yci_weaver *w, yci_weave_span *span) {
+    double least = YCI_WEAVE_TAIL * w->desc->spacing[1 - span->family];
+    yci_weave_visit *visits = w->visits + span->first;
+    int i, e, kept = 0, wanted[2] = {0, 0};
+    for (i = 0; i < span->count; i++) {
+        const yci_weave_node *node = &w->nodes[visits[i].node];
+        if (node->visits == 2 && node->triangle >= 0) visits[kept++] = visits[i];
+    }
+    span->count = kept;
+    for (e = 0; e < 2 && span->count; e++) {
+        const yci_weave_visit *last = &w->visits[span->first + (e ? span->count - 1 : 0)];
+        int long_enough = fabs(span->end[e] - last->along) >= least, seam = w->twin[span->half[e]] >= 0;
+        wanted[e] = long_enough || seam;
+        if (long_enough || !seam) continue;
+        span->count--;
+        if (!e) span->first++;
+    }
+    for (e = 0; e < 2 && span->count; e++) {
+        yci_weave_node *node;
+        if (!wanted[e]) continue;
+        node = yci_weave_push_node(w);
+        if (!node) return yci_out_of_memory(w->c, "the nodes of a weave");
+        span->tip[e] = w->node_count - 1;
+        yci_weave_place(w, node, span->half[e], span->share[e]);
+    }
+    return YC_OK;
+}
+
+static yc_result yci_weave_piece(yci_weaver *w, int piece, int centred) {
+    int begin = w->span_count, wefts, i;
+    yc_result result = yci_weave_lattice(w, piece, centred);
+    if (result == YC_OK) result = yci_weave_cut_piece(w, piece, YC_WARP);
+    if (result == YC_OK) result = yci_weave_pair_cuts(w, YC_WARP);
+    wefts = w->span_count;
+    if (result == YC_OK) result = yci_weave_cut_piece(w, piece, YC_WEFT);
+    if (result == YC_OK) result = yci_weave_pair_cuts(w, YC_WEFT);
+    if (result == YC_OK) result = yci_weave_cross_piece(w, begin, wefts);
+    if (result != YC_OK) return result;
+    for (i = w->piece_first[piece]; i < w->piece_first[piece + 1]; i++) yci_weave_locate(w, w->piece_triangle[i]);
+    for (i = begin; i < w->span_count && result == YC_OK; i++) result = yci_weave_ends(w, &w->spans[i]);
+    return result;
+}
+
+/* Counts the visits of every node and takes out, one after another, the spans that make no yarn: without a crossing or
+ * with one visit. Taking one out may leave another without a crossing. */
+static void yci_weave_prune(yci_weaver *w) {
+    int i, k, pruned = 1;
+    for (i = 0; i < w->node_count; i++) w->nodes[i].visits = 0;
+    for (i = 0; i < w->span_count; i++) {
+        const yci_weave_span *span = &w->spans[i];
+        for (k = 0; k < span->count; k++) w->nodes[w->visits[span->first + k].node].visits++;
+        for (k = 0; k < 2; k++)
+            if (span->tip[k] >= 0) w->nodes[span->tip[k]].visits++;
+    }
+    while (pruned) {
+        pruned = 0;
+        for (i = 0; i < w->span_count; i++) {
+            yci_weave_span *span = &w->spans[i];
+            int crossings = 0;
+            if (!span->count) continue;
+            for (k = 0; k < span->count; k++) crossings += w->nodes[w->visits[span->first + k].node].visits == 2;
+            if (crossings && span->count + (span->tip[0] >= 0) + (span->tip[1] >= 0) >= 2) continue;
+            for (k = 0; k < span->count; k++) w->nodes[w->visits[span->first + k].node].visits--;
+            for (k = 0; k < 2; k++) {
+                if (span->tip[k] >= 0) w->nodes[span->tip[k]].visits = 0;
+                span->tip[k] = -1;
+            }
+            span->count = 0, pruned = 1;
+        }
+    }
+}
+
+/* ---- rods -------------------------------------------------------------------------------------------------------- */
+
+/* A seam edge, in the order and direction in which its chain is walked. */
+typedef struct {
+    int half; /* the half-edge that runs with the chain; its twin runs against */
+    int chain;
+    double arc, length; /* m, along the chain where it begins; mean of both sides in the pattern */
+} yci_weave_seam;
+
+static double yci_weave_half_length(const yci_weaver *w, int half) {
+    const double *a = yci_weave_uv(w, half), *b = yci_weave_uv(w, yci_half_next(half));
+    return sqrt((b[0] - a[0]) * (b[0] - a[0]) + (b[1] - a[1]) * (b[1] - a[1]));
+}
+
+static int yci_weave_is_seam(const yci_weaver *w, int half) {
+    return w->twin[half] >= 0 && !yci_weave_interior(w, half);
+}
+
+/* Walks the seam edges into chains: from vertices where not just two of them meet, then the cycles that are left.
+ * around[first[v] .. first[v + 1]) are the half-edges of seams that leave vertex v, place[half] is its seam, -1
+ * before. */
+static int yci_weave_walk(const yci_weaver *w, const int *first, const int *around, int *place, yci_weave_seam *seams) {
+    int total = 3 * w->mesh->triangle_count, count = 0, chains = 0, cycles, start;
+    for (cycles = 0; cycles < 2; cycles++)
+        for (start = 0; start < total; start++) {
+            int half = -1, v, k;
+            double arc = 0.0;
+            if (!yci_weave_is_seam(w, start) || place[start] >= 0) continue;
+            /* Either end of the edge may be where the chain begins. */
+            for (k = 0; k < 2 && half < 0; k++) {
+                int candidate = k ? w->twin[start] : start;
+                v = yci_half_from(w->mesh->triangles, candidate);
+                if (cycles || first[v + 1] - first[v] != 2) half = candidate;
+            }
+            if (half < 0) continue;
+            while (half >= 0) {
+                yci_weave_seam *seam = &seams[count];
+                seam->half = half, seam->chain = chains, seam->arc = arc;
+                seam->length = 0.5 * (yci_weave_half_length(w, half) + yci_weave_half_length(w, w->twin[half]));
+                arc += seam->length;
+                place[half] = place[w->twin[half]] = count++;
+                v = yci_half_to(w->mesh->triangles, half), half = -1;
+                if (first[v + 1] - first[v] != 2) break;
+                for (k = first[v]; k < first[v + 1]; k++)
+                    if (place[around[k]] < 0) half = around[k];
+            }
+            chains++;
+        }
+    return count;
+}
+
+/* Spreads the yarn ends of one chain to the least distance `gap`, forward, then back from the chain's end. */
+static void yci_weave_spread(yci_weave_cut *ties, int count, double gap, double length) {
+    int k;
+    for (k = 1; k < count; k++) ties[k].along = yci_max(ties[k].along, ties[k - 1].along + gap);
+    for (k = count - 1; k >= 0 && ties[k].along > length; k--, length -= gap) ties[k].along = length;
+}
+
+/* Moves a yarn end to its new place on its side of the seam; past the seam edge's end where need be, but not into
+ * another piece. */
+static void yci_weave_move(
+    yci_weaver *w, const yci_weave_seam *seams, int seam_count, int seam, const yci_weave_cut *tie) {
+    int against = seams[seam].half != tie->half, half = tie->half, step = tie->along > seams[seam].arc ? 1 : -1, next;
+    double share;
+    for (; tie->along < seams[seam].arc || tie->along > seams[seam].arc + seams[seam].length;
+         seam += step, half = next) {
+        int follows, other = seam + step;
+        if (other < 0 || other >= seam_count || seams[other].chain != seams[seam].chain) break;
+        next = against ? w->twin[seams[other].half] : seams[other].half;
+        follows = (step > 0) != against;
+        if ((follows ? yci_half_to(w->uvt, half) : yci_half_from(w->uvt, half)) !=
+            (follows ? yci_half_from(w->uvt, next) : yci_half_to(w->uvt, next)))
+            break;
+    }
+    share = yci_clamp((tie->along - seams[seam].arc) / seams[seam].length, 0.0, 1.0);
+    yci_weave_place(w, &w->nodes[tie->node], half, against ? 1.0 - share : share);
+}
+
+/* Ties the yarn ends to the chains: a span of the family YC_ROD for every chain with two of them or more. */
+static yc_result yci_weave_tie(yci_weaver *w, const yci_weave_seam *seams, int seam_count, const int *place) {
+    double gap = YCI_WEAVE_GAP * 0.5 * (w->desc->spacing[0] + w->desc->spacing[1]);
+    int i, e, k, begin, end;
+    yc_result result = YC_OK;
+    w->cut_count = 0;
+    for (i = 0; i < w->span_count; i++)
+        for (e = 0; e < 2; e++) {
+            const yci_weave_span *span = &w->spans[i];
+            const yci_weave_seam *seam;
+            yci_weave_cut *tie;
+            if (span->tip[e] < 0 || w->twin[span->half[e]] < 0) continue;
+            if (!YCI_RESERVE(w->c, w->cuts, w->cut_capacity, w->cut_count, w->cut_count + 1))
+                return yci_out_of_memory(w->c, "the rods of a weave");
+            tie = &w->cuts[w->cut_count++];
+            seam = &seams[place[span->half[e]]];
+            tie->along =
+                seam->arc + seam->length * (seam->half == span->half[e] ? span->share[e] : 1.0 - span->share[e]);
+            tie->share = tie->along;
+            tie->line = seam->chain, tie->half = span->half[e], tie->enter = 0, tie->node = span->tip[e];
+        }
+    yci_weave_sort_cuts(w->cuts, w->cut_count);
+    for (begin = 0; begin < w->cut_count && result == YC_OK; begin = end) {
+        yci_weave_cut *ties = w->cuts + begin;
+        yci_weave_span *rod;
+        int last = place[ties->half];
+        for (end = begin + 1; end < w->cut_count && w->cuts[end].line == ties->line;) end++;
+        if (end - begin < 2) continue;
+        while (last + 1 < seam_count && seams[last + 1].chain == ties->line) last++;
+        yci_weave_spread(ties, end - begin, gap, seams[last].arc + seams[last].length);
+        if (!YCI_RESERVE(w->c, w->spans, w->span_capacity, w->span_count, w->span_count + 1))
+            return yci_out_of_memory(w->c, "the rods of a weave");
+        rod = &w->spans[w->span_count++];
+        memset(rod, 0, sizeof *rod);
+        rod->family = YC_ROD, rod->tip[0] = rod->tip[1] = -1, rod->first = w->visit_count, rod->count = end - begin;
+        for (k = 0; k < end - begin && result == YC_OK; k++) {
+            if (ties[k].along != ties[k].share) yci_weave_move(w, seams, seam_count, place[ties[k].half], &ties[k]);
+            w->nodes[ties[k].node].visits++;
+            result = yci_weave_push_visit(w, ties[k].node, ties[k].along);
+        }
+    }
+    return result;
+}
+
+static yc_result yci_weave_rods(yci_weaver *w) {
+    int total = 3 * w->mesh->triangle_count, h, v, count = 0;
+    int *first = YCI_NEW(w->c, int, w->mesh->vertex_count + 2), *place = YCI_NEW(w->c, int, total), *around = NULL;
+    yci_weave_seam *seams = NULL;
+    yc_result result;
+    if (first && place) {
+        for (h = 0; h < total; h++) {
+            place[h] = -1;
+            if (yci_weave_is_seam(w, h)) first[yci_half_from(w->mesh->triangles, h) + 2]++, count++;
+        }
+        around = YCI_NEW(w->c, int, count);
+        seams = YCI_NEW(w->c, yci_weave_seam, count / 2);
+    }
+    if (around && seams) {
+        for (v = 0; v < w->mesh->vertex_count; v++) first[v + 2] += first[v + 1];
+        for (h = 0; h < total; h++)
+            if (yci_weave_is_seam(w, h)) around[first[yci_half_from(w->mesh->triangles, h) + 1]++] = h;
+        count = yci_weave_walk(w, first, around, place, seams);
+        result = yci_weave_tie(w, seams, count, place);
+    } else result = yci_out_of_memory(w->c, "the seams of a pattern");
+    yci_free(w->c, first);
+    yci_free(w->c, place);
+    yci_free(w->c, around);
+    yci_free(w->c, seams);
+    return result;
+}
+
+/* ---- the network ------------------------------------------------------------------------------------------------- */
+
+static void *yci_weave_carve(char *block, size_t *used, int count, size_t size) {
+    void *part = block ? block + *used : NULL;
+    *used += ((size_t)count * size + 15) / 16 * 16;
+    return part;
+}
+
+/* Points the arrays of a network, whose counts are set, into the block and returns its size. The context that frees it
+ * stands in front. */
+static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh) {
+    size_t used = 0;
+    y->owner = yci_weave_carve(block, &used, 1, sizeof(yci_context));
+    y->layout = (double(*)[3])yci_weave_carve(block, &used, y->node_count, sizeof *y->layout);
+    if (on_mesh) {
+        y->weights = (double(*)[3])yci_weave_carve(block, &used, y->node_count, sizeof *y->weights);
+        y->triangle = (int *)yci_weave_carve(block, &used, y->node_count, sizeof *y->triangle);
+    }
+    y->visit_u = (double *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_u);
+    y->materials = (yc_yarn_material *)yci_weave_carve(block, &used, y->material_count, sizeof *y->materials);
+    y->yarn_first = (int *)yci_weave_carve(block, &used, y->yarn_count + 1, sizeof *y->yarn_first);
+    y->yarn_material = (int *)yci_weave_carve(block, &used, y->yarn_count, sizeof *y->yarn_material);
+    y->visit_node = (int *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_node);
+    y->yarn_family = (unsigned char *)yci_weave_carve(block, &used, y->yarn_count, sizeof *y->yarn_family);
+    y->visit_layer = (signed char *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_layer);
+    y->visit_held = (unsigned char *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_held);
+    return used;
+}
+
+/* Copies the nodes that are visited; number[] receives their new numbers. */
+static void yci_weave_fill_nodes(const yci_weaver *w, yc_yarns *y, int *number) {
+    int i, k, next = 0;
+    for (i = 0; i < w->node_count; i++) {
+        const yci_weave_node *node = &w->nodes[i];
+        double sum = 0.0;
+        if (!node->visits) continue;
+        y->layout[next][0] = node->place[0], y->layout[next][1] = node->place[1], y->layout[next][2] = 0.0;
+        if (y->triangle) {
+            y->triangle[next] = node->triangle;
+            for (k = 0; k < 3; k++) sum += yci_max(node->weights[k], 0.0);
+            for (k = 0; k < 3; k++) y->weights[next][k] = yci_max(node->weights[k], 0.0) / sum;
+        }
+        number[i] = next++;
+    }
+}
+
+static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *number) {
+    int i, k, yarn = 0, visit = 0;
+    for (i = 0; i < w->span_count; i++) {
+        const yci_weave_span *span = &w->spans[i];
+        int first = visit, before = span->tip[0] >= 0, count = span->count + before + (span->tip[1] >= 0);
+        if (!span->count) continue;
+        y->yarn_first[yarn] = first;
+        y->yarn_family[yarn] = (unsigned char)span->family, y->yarn_material[yarn] = span->family;
+        for (k = 0; k < count; k++, visit++) {
+            const yci_weave_visit *at =
+                k < before || k - before == span->count ? NULL : &w->visits[span->first + k - before];
+            int old = at ? at->node : span->tip[k >= before], node = number[old];
+            y->visit_node[visit] = node;
+            if (k == 0) y->visit_u[visit] = 0.0;
+            else if (span->family == YC_ROD) y->visit_u[visit] = at->along - w->visits[span->first].along;
+            else {
+                double step[3];
+                yci_sub(step, y->layout[node], y->layout[y->visit_node[visit - 1]]);
+                y->visit_u[visit] = y->visit_u[visit - 1] + yci_norm(step);
+            }
+            if (w->nodes[old].visits == 2)
+                y->visit_layer[visit] =
+                    (signed char)(span->family == YC_WARP ? w->nodes[old].over : -w->nodes[old].over);
+            y->visit_held[visit] = span->family == YC_ROD || w->nodes[old].visits == 1 || k == 0 || k == count - 1;
+        }
+        yarn++;
+    }
+    y->yarn_first[yarn] = visit;
+}
+
+static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
+    yc_yarns y;
+    char *block;
+    int *number, i;
+    memset(&y, 0, sizeof y);
+    for (i = 0; i < w->node_count; i++) y.node_count += w->nodes[i].visits > 0;
+    for (i = 0; i < w->span_count; i++) {
+        const yci_weave_span *span = &w->spans[i];
+        if (!span->count) continue;
+        y.yarn_count++;
+        y.visit_count += span->count + (span->tip[0] >= 0) + (span->tip[1] >= 0);
+    }
+    if (!y.yarn_count)
+        return yci_fail(w->c, YC_ERROR_ARGUMENT, "weave.spacing = %g, %g is too wide: nowhere do two yarns cross",
+            w->desc->spacing[0], w->desc->spacing[1]);
+    y.material_count = w->desc->rod.density > 0.0 ? 3 : 2;
+    number = YCI_NEW(w->c, int, w->node_count);
+    block = (char *)yci_alloc(w->c, yci_weave_arrays(&y, NULL, on_mesh), 1);
+    if (!number || !block) {
+        yci_free(w->c, number);
+        yci_free(w->c, block);
+        return yci_out_of_memory(w->c, "a yarn network");
+    }
+    yci_weave_arrays(&y, block, on_mesh);
+    y.materials[0] = w->desc->warp, y.materials[1] = w->desc->weft;
+    if (y.material_count == 3) y.materials[2] = w->desc->rod;
+    yci_weave_fill_nodes(w, &y, number);
+    yci_weave_fill_yarns(w, &y, number);
+    yci_free(w->c, number);
+    *out = y;
+    return YC_OK;
+}
+
+static yc_result yci_weave_lay(yci_weaver *w, int on_mesh, yc_yarns *out) {
+    int piece;
+    yc_result result = yci_weave_check_count(w);
+    if (result == YC_OK) result = yci_weave_pieces(w);
+    for (piece = 0; piece < w->piece_count && result == YC_OK; piece++) result = yci_weave_piece(w, piece, on_mesh);
+    if (result == YC_OK) yci_weave_prune(w);
+    if (result == YC_OK && w->desc->rod.density > 0.0) result = yci_weave_rods(w);
+    if (result == YC_OK) result = yci_weave_finish(w, on_mesh, out);
+    yci_free(w->c, w->twin);
+    yci_free(w->c, w->piece_first);
+    yci_free(w->c, w->piece_triangle);
+    yci_free(w->c, w->span_first);
+    yci_free(w->c, w->nodes);
+    yci_free(w->c, w->cuts);
+    yci_free(w->c, w->spans);
+    yci_free(w->c, w->visits);
+    return result;
+}
+
+static yc_result yci_weave_run(yci_context *c, const yc_weave_desc *desc, const yc_mesh *mesh, yc_yarns *out) {
+    static const unsigned char plain[4] = {1, 0, 0, 1};
+    static const int halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
+    double corners[4][2], positions[4][3];
+    yc_mesh rectangle;
+    yci_weaver w;
+    yc_result result;
+    int k;
+    if (!desc) return yci_fail(c, YC_ERROR_ARGUMENT, "desc must not be NULL");
+    if (!out) return yci_fail(c, YC_ERROR_ARGUMENT, "out must not be NULL");
+    result = yci_weave_check(c, desc, mesh != NULL);
+    if (result == YC_OK && mesh) result = yci_mesh_check(c, mesh);
+    if (result != YC_OK) return result;
+    memset(&w, 0, sizeof w);
+    memset(&rectangle, 0, sizeof rectangle);
+    for (k = 0; k < 4; k++) {
+        corners[k][0] = k == 1 || k == 2 ? desc->size[0] : 0.0, corners[k][1] = k >= 2 ? desc->size[1] : 0.0;
+        positions[k][0] = corners[k][0], positions[k][1] = corners[k][1], positions[k][2] = 0.0;
+    }
+    rectangle.vertex_count = rectangle.uv_count = 4, rectangle.triangle_count = 2;
+    rectangle.positions = (const double(*)[3])positions, rectangle.uv = (const double(*)[2])corners;
+    rectangle.triangles = halves;
+    w.c = c, w.desc = desc, w.mesh = mesh ? mesh : &rectangle;
+    w.uvt = w.mesh->uv_triangles ? w.mesh->uv_triangles : w.mesh->triangles;
+    w.draft = desc->draft ? desc->draft : plain;
+    w.repeat[0] = desc->draft ? desc->repeat[0] : 2, w.repeat[1] = desc->draft ? desc->repeat[1] : 2;
+    w.turn[0] = cos(desc->grain), w.turn[1] = sin(desc->grain);
+    return yci_weave_lay(&w, mesh != NULL, out);
+}
+
+static yc_result yci_fabric_report(const yci_context *c, yc_result result, char *message) {
+    if (message) memcpy(message, c->message, YC_MESSAGE_SIZE);
+    return result;
+}
+
+YC_API yc_result yc_weave(
+    const yc_host *host, const yc_weave_desc *desc, const yc_mesh *mesh, yc_yarns *out, char *message) {
+    yci_context c;
+    yc_result result = yci_context_init(&c, host);
+    if (result == YC_OK) result = yci_weave_run(&c, desc, mesh, out);
+    if (result == YC_OK) memcpy(out->owner, &c, sizeof c);
+    return yci_fabric_report(&c, result, message);
+}
+
+/* The visits of the nodes are counted in memory of malloc: there is no host here. */
+YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char *message) {
+    yci_context c;
+    yc_result result = yci_context_init(&c, NULL);
+    if (!yarns) result = yci_fail(&c, YC_ERROR_ARGUMENT, "yarns must not be NULL");
+    if (result == YC_OK) result = yci_yarns_check(&c, yarns, mesh);
+    return yci_fabric_report(&c, result, message);
+}
+
+YC_API void yc_yarns_destroy(yc_yarns *yarns) {
+    yci_context c;
+    if (!yarns || !yarns->owner) return;
+    memcpy(&c, yarns->owner, sizeof c);
+    yci_free(&c, yarns->owner);
+    memset(yarns, 0, sizeof *yarns);
+}
+
+/* =====================================================================================================================
+ * >>yarn   (chapter 6)
+ *
+ * Elements of the persistent-contact yarn model (YARN): pure functions of a few numbers. Each returns its energy in
+ * joules, overwrites the gradient g and the full Hessian h (by rows) unless they are NULL, and takes k >= 0 already
+ * scaled by its blending weight. `projected` 0 gives the exact second derivative; 1 a positive semidefinite one in
+ * closed form, which differs only where the text says so. Notation: du = u_b - u_a > 0 is rest length, l = |x_j - x_i|.
+ *
+ *   stretch      (1/2) k du (l/du - 1)^2. Projected drops the transverse stiffness of a compressed segment.
+ *   gravity      -rho du g.(x_i + x_j)/2. Projected is zero.
+ *   bending      k (theta - theta_0)^2 / du + 999 (2k/du) g(theta - pi/2), theta in [0, pi] the turning angle.
+ *   shear        (1/2) k L (phi - phi_0)^2 + 999 k L g(|phi - phi_0| - limit), phi in [0, pi] between two edges.
+ *   contact      (k/d) g(d - du), the neighbouring crossings of one yarn. Convex: projected is exact.
+ *   floor        k d b(du/d), b(t) = -(t - 1)^2 log t below 1, 0 above (C2, convex, without bound at 0): no segment
+ *                vanishes between two steps. It acts far below any touching distance. Projected is exact.
+ *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Convex: projected is exact.
+ *
+ * The energies of an angle f(phi) share one Hessian. With unit edges a, b of lengths l1, l2, in-plane normals n1 (of a,
+ * towards b) and n2 (of b, towards a) and the binormal m, grad phi = (-n1/l1, -n2/l2) and
+ *   hess phi = sym(a n1^T)/l1^2 + sym(b n2^T)/l2^2 + (m m^T) (x) [cot/l1^2, -csc/(l1 l2); -csc/(l1 l2), cot/l2^2],
+ * sym(X) = X + X^T. The last bracket is (cot(phi/2) v v^T - tan(phi/2) w w^T)/2, v = (1/l1, -1/l2), w = (1/l1, 1/l2).
+ * Projected keeps f'' grad grad^T and those of f' cot(phi/2), -f' tan(phi/2) that are positive; it is exact where
+ * f' = 0. Bending divides by du, and F(theta)/du is jointly convex in theta and du for every term above, so the rows of
+ * u are exact in its projected form.
+ * Within 1e-8 of a straight or folded pair the plane is fixed by rule and f' cot(phi/2) takes its smooth limit 2 f'',
+ * which is exact for f'(0) = 0. Edges shorter than a nanometre count as that long in derivatives: nothing is NaN.
+ *
+ * Stiffness damping: each elastic element has a strain s (the _strain functions) and adds (1/2) E'' r (s - s_prev)^2,
+ * E'' the stiffness by s without jamming, r = beta/h (0: off), s_prev the strain at the step's start. Strains are
+ * invariant, so rigid motion is undamped exactly. The turning angle has no sign: a node that snaps through straight to
+ * the mirrored bend is not damped.
+ *
+ * Compression (YARN 4.3, eq. 3): the force of each yarn at a crossing comes from its own stretch and bending with the
+ * nodes offset along the contact normals (crimp); the tensions are the true ones, the directions those of the offset
+ * polyline. For two yarns the non-negative least squares of f_low - lambda = 0, f_high + lambda = 0 has a closed form.
+ * ===================================================================================================================== */
+
+#define YCI_YARN_SHORTEST 1e-9 /* metres */
+#define YCI_YARN_JAM 999.0     /* a jammed angle is three orders of magnitude stiffer */
+
+/* -- stretch: q = (x_i, x_j, u_a, u_b) ----------------------------------------------------------------------------- */
+
+YC_FN double yci_yarn_stretch_strain(const double *q) {
+    double d[3];
+    yci_sub(d, q + 3, q);
+    return yci_norm(d) / (q[7] - q[6]) - 1.0;
+}
+
+YC_FN double yci_yarn_stretch(const double *q, double k, double r, double s_prev, double *g, double *h, int projected) {
+    double x_axis[3] = {1.0, 0.0, 0.0}, t[3], du = q[7] - q[6], l, s, rate, density, slope;
+    yci_sub(t, q + 3, q);
+    l = yci_normalize(t, x_axis);
+    s = l / du - 1.0, rate = s - s_prev;
+    density = 0.5 * k * (s * s + r * rate * rate);
+    slope = k * (s + r * rate);
+    if (g) {
+        yci_scale(g, t, -slope), yci_scale(g + 3, t, slope);
+        g[7] = density - (s + 1.0) * slope, g[6] = -g[7];
+    }
+    if (h) {
+        /* Along the yarn the strain is l/du: its Hessian is a rank-one form in (dl, d du) plus the transverse part. */
+        double along = k * (1.0 + r) / du, across = slope / yci_max(l, YCI_YARN_SHORTEST), v[8];
+        if (projected) across = yci_max(across, 0.0);
+        yci_scale(v, t, -1.0), yci_copy(v + 3, t);
+        v[6] = s + 1.0, v[7] = -v[6];
+        for (int i = 0; i < 8; i++) {
+            for (int j = 0; j < 8; j++) h[8 * i + j] = along * v[i] * v[j];
+        }
+        for (int i = 0; i < 3; i++) {
+            for (int j = 0; j < 3; j++) {
+                double p = across * ((i == j ? 1.0 : 0.0) - t[i] * t[j]);
+                h[8 * i + j] += p, h[8 * (i + 3) + j + 3] += p;
+                h[8 * i + j + 3] -= p, h[8 * (i + 3) + j] -= p;
+            }
+        }
+    }
+    return du * density;
+}
+
+/* -- gravity: q = (x_i, x_j, u_a, u_b), rho in kg/m ---------------------------------------------------------------- */
+
+YC_FN double yci_yarn_gravity(const double *q, double rho, const double *gravity, double *g, double *h, int projected) {
+    double du = q[7] - q[6];
+    double potential = -0.5 * rho * (yci_dot(gravity, q) + yci_dot(gravity, q + 3)); /* per length */
+    if (g) {
+        yci_scale(g, gravity, -0.5 * rho * du), yci_copy(g + 3, g);
+        g[6] = -potential, g[7] = potential;
+    }
+    if (h) {
+        yci_zero(h, 64);
+        for (int i = 0; i < 6 && !projected; i++) {
+            double c = -0.5 * rho * gravity[i % 3];
+            h[8 * i + 7] = h[56 + i] = c;
+            h[8 * i + 6] = h[48 + i] = -c;
+        }
+    }
+    return du * potential;
+}
+
+/* -- the angle between two edges ----------------------------------------------------------------------------------- */
+
+typedef struct yci_yarn_angle {
+    double phi, tan_half;      /* in [0, pi]; tan(phi/2), meaningless at pi */
+    double l1, l2;             /* lengths, floored */
+    double a[3], b[3];         /* unit edges */
+    double n1[3], n2[3], m[3]; /* in-plane normals of a towards b and of b towards a; binormal */
+} yci_yarn_angle;
+
+YC_FN void yci_yarn_angle_make(yci_yarn_angle *angle, const double *e1, const double *e2) {
+    double x_axis[3] = {1.0, 0.0, 0.0}, fallback[3], sine, cosine;
+    yci_copy(angle->a, e1), yci_copy(angle->b, e2);
+    angle->l1 = yci_max(yci_normalize(angle->a, x_axis), YCI_YARN_SHORTEST);
+    angle->l2 = yci_max(yci_normalize(angle->b, angle->a), YCI_YARN_SHORTEST);
+    /* Rounding takes the cross product of nearly parallel vectors out of the normal plane: project it back. */
+    yci_cross(angle->m, angle->a, angle->b);
+    yci_axpy(angle->m, -yci_dot(angle->m, angle->a), angle->a);
+    cosine = yci_dot(angle->a, angle->b);
+    sine = yci_norm(angle->m);
+    angle->phi = atan2(sine, cosine);
+    angle->tan_half = cosine > 0.0 ? sine / (1.0 + cosine) : (1.0 - cosine) / yci_max(sine, 1e-150);
+    /* Below 1e-12 it is nothing but rounding and has no direction. */
+    if (sine > 1e-12) yci_scale(angle->m, angle->m, 1.0 / sine);
+    else yci_perpendicular(fallback, angle->a), yci_copy(angle->m, fallback);
+    yci_cross(angle->n1, angle->m, angle->a);
+    yci_cross(angle->n2, angle->b, angle->m);
+}
+
+/* Gradient and Hessian of f(phi) over three nodes, edge i being the sum of c_i[p] x_p. Either may be NULL; the Hessian
+ * fills the first nine rows and columns of an n x n matrix. */
+YC_FN void yci_yarn_angle_derivatives(const yci_yarn_angle *angle, const double *c1, const double *c2, double df,
+    double ddf, double *g, double *h, int n, int projected) {
+    const double *a = angle->a, *b = angle->b, *n1 = angle->n1, *n2 = angle->n2, *m = angle->m;
+    double i1 = 1.0 / angle->l1, i2 = 1.0 / angle->l2;
+    double opening, closing, turning = projected ? 0.0 : df, m11, m12, m22, h11[9], h12[9], h22[9];
+    if (g) {
+        for (int p = 0; p < 3; p++) {
+            for (int i = 0; i < 3; i++) g[3 * p + i] = -df * (c1[p] * i1 * n1[i] + c2[p] * i2 * n2[i]);
+        }
+    }
+    if (!h) return;
+    opening = angle->phi > 1e-8 ? df / angle->tan_half : 2.0 * ddf;
+    closing = YCI_PI - angle->phi > 1e-8 ? -df * angle->tan_half : 2.0 * ddf;
+    if (projected) opening = yci_max(opening, 0.0), closing = yci_max(closing, 0.0);
+    m11 = 0.5 * (opening + closing) * i1 * i1;
+    m12 = 0.5 * (closing - opening) * i1 * i2;
+    m22 = 0.5 * (opening + closing) * i2 * i2;
+    for (int k = 0; k < 9; k++) {
+        int i = k / 3, j = k % 3;
+        double mm = m[i] * m[j];
+        h11[k] = m11 * mm + i1 * i1 * (ddf * n1[i] * n1[j] + turning * (a[i] * n1[j] + n1[i] * a[j]));
+        h12[k] = m12 * mm + i1 * i2 * ddf * n1[i] * n2[j];
+        h22[k] = m22 * mm + i2 * i2 * (ddf * n2[i] * n2[j] + turning * (b[i] * n2[j] + n2[i] * b[j]));
+    }
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) {
+            double w11 = c1[p] * c1[q], w12 = c1[p] * c2[q], w21 = c2[p] * c1[q], w22 = c2[p] * c2[q];
+            double *block = h + 3 * (n * p + q);
+            for (int i = 0; i < 3; i++) {
+                for (int j = 0; j < 3; j++) {
+                    block[n * i + j] =
+                        w11 * h11[3 * i + j] + w12 * h12[3 * i + j] + w21 * h12[3 * j + i] + w22 * h22[3 * i + j];
+                }
+            }
+        }
+    }
+}
+
+/* -- bending: q = (x_a, x_b, x_c, u_a, u_c), jam the width in radians over which jamming sets in, 0 for none ------- */
+
+YC_FN double yci_yarn_bend_strain(const double *q) {
+    double e1[3], e2[3], m[3];
+    yci_sub(e1, q + 3, q), yci_sub(e2, q + 6, q + 3);
+    yci_cross(m, e1, e2);
+    return atan2(yci_norm(m), yci_dot(e1, e2));
+}
+
+YC_FN double yci_yarn_bend(const double *q, double k, double theta_0, double jam, double r, double s_prev, double *g,
+    double *h, int projected) {
+    double c1[3] = {-1.0, 1.0, 0.0}, c2[3] = {0.0, -1.0, 1.0}, e1[3], e2[3], du = q[10] - q[9], f, df, ddf, s, rate;
+    yci_yarn_angle angle;
+    yci_sub(e1, q + 3, q), yci_sub(e2, q + 6, q + 3);
+    yci_yarn_angle_make(&angle, e1, e2);
+    s = angle.phi - theta_0, rate = angle.phi - s_prev;
+    f = k * (s * s + r * rate * rate);
+    df = 2.0 * k * (s + r * rate);
+    ddf = 2.0 * k * (1.0 + r);
+    if (jam > 0.0) {
+        double j, dj, ddj;
+        yci_one_sided(angle.phi - 0.5 * YCI_PI, jam, &j, &dj, &ddj);
+        f += 2.0 * YCI_YARN_JAM * k * j;
+        df += 2.0 * YCI_YARN_JAM * k * dj;
+        ddf += 2.0 * YCI_YARN_JAM * k * ddj;
+    }
+    if (g || h) {
+        double slope[9];
+        yci_yarn_angle_derivatives(&angle, c1, c2, df / du, ddf / du, slope, h, 11, projected);
+        if (g) {
+            for (int i = 0; i < 9; i++) g[i] = slope[i];
+            g[9] = f / (du * du), g[10] = -g[9];
+        }
+        if (h) {
+            for (int i = 0; i < 9; i++) {
+                h[11 * i + 9] = h[99 + i] = slope[i] / du;
+                h[11 * i + 10] = h[110 + i] = -h[99 + i];
+            }
+            h[108] = h[120] = 2.0 * f / (du * du * du);
+            h[109] = h[119] = -h[108];
+        }
+    }
+    return f / du;
+}
+
+/* -- shear: q = (x_i, x_j, x_k), the edges x_j - x_i and x_k - x_i; jam as above, from `limit` on ------------------ */
+
+YC_FN double yci_yarn_shear_strain(const double *q) {
+    double e1[3], e2[3], m[3];
+    yci_sub(e1, q + 3, q), yci_sub(e2, q + 6, q);
+    yci_cross(m, e1, e2);
+    return atan2(yci_norm(m), yci_dot(e1, e2));
+}
+
+YC_FN double yci_yarn_shear(const double *q, double k, double length, double phi_0, double limit, double jam, double r,
+    double s_prev, double *g, double *h, int projected) {
+    double c1[3] = {-1.0, 1.0, 0.0}, c2[3] = {-1.0, 0.0, 1.0}, e1[3], e2[3], f, df, ddf, s, rate;
+    yci_yarn_angle angle;
+    yci_sub(e1, q + 3, q), yci_sub(e2, q + 6, q);
+    yci_yarn_angle_make(&angle, e1, e2);
+    s = angle.phi - phi_0, rate = angle.phi - s_prev;
+    f = 0.5 * k * length * (s * s + r * rate * rate);
+    df = k * length * (s + r * rate);
+    ddf = k * length * (1.0 + r);
+    if (jam > 0.0) {
+        double j, dj, ddj;
+        yci_one_sided(fabs(s) - limit, jam, &j, &dj, &ddj);
+        f += YCI_YARN_JAM * k * length * j;
+        df += YCI_YARN_JAM * k * length * (s < 0.0 ? -dj : dj);
+        ddf += YCI_YARN_JAM * k * length * ddj;
+    }
+    if (g || h) yci_yarn_angle_derivatives(&angle, c1, c2, df, ddf, g, h, 9, projected);
+    return f;
+}
+
+/* -- adjacent contact: q = (u_a, u_b), d the touching distance ----------------------------------------------------- */
+
+/* The law turns quadratic a tenth of d after touching: at the touching distance it has no force and no stiffness. */
+YC_FN double yci_yarn_contact(const double *q, double k, double d, double *g, double *h) {
+    double f, df, ddf;
+    yci_one_sided(d - (q[1] - q[0]), 0.1 * d, &f, &df, &ddf);
+    if (g) g[0] = k / d * df, g[1] = -g[0];
+    if (h) h[0] = h[3] = k / d * ddf, h[1] = h[2] = -h[0];
+    return k / d * f;
+}
+
+/* -- floor: q = (u_a, u_b); infinite when the segment has no length left ----------------------------------------- */
+
+YC_FN double yci_yarn_floor(const double *q, double k, double d, double *g, double *h) {
+    double t = (q[1] - q[0]) / d, e = t - 1.0, df, ddf, logarithm;
+    if (g) g[0] = g[1] = 0.0;
+    if (h) h[0] = h[1] = h[2] = h[3] = 0.0;
+    if (t >= 1.0) return 0.0;
+    if (t <= 0.0) return HUGE_VAL;
+    logarithm = log(t);
+    df = -2.0 * e * logarithm - e * e / t;
+    ddf = -2.0 * logarithm - 4.0 * e / t + e * e / (t * t);
+    if (g) g[1] = k * df, g[0] = -g[1];
+    if (h) h[0] = h[3] = k / d * ddf, h[1] = h[2] = -h[0];
+    return -k * d * e * e * logarithm;
+}
+
+/* -- sliding friction of one visit: k in N/m, limit = mu lambda in N ----------------------------------------------- */
+
+YC_FN double yci_yarn_friction(double u, double anchor, double k, double limit, double *g, double *h) {
+    double s = u - anchor;
+    int slips = k * fabs(s) > limit;
+    if (g) *g = !slips ? k * s : s < 0.0 ? -limit : limit;
+    if (h) *h = slips ? 0.0 : k;
+    return slips ? limit * (fabs(s) - 0.5 * limit / k) : 0.5 * k * s * s;
+}
+
+/* The anchor after an accepted step: it follows a slipping yarn so that |u - anchor| <= limit/k. */
+YC_FN double yci_yarn_friction_anchor(double u, double anchor, double k, double limit) {
+    if (k * fabs(u - anchor) <= limit) return anchor;
+    return u < anchor ? u + limit / k : u - limit / k;
+}
+
+/* -- compression --------------------------------------------------------------------------------------------------- */
+
+/* Force in N of one yarn on its offset centre line at the visit `here`. A visit is x[3], offset[3] (contact normal
+ * times radius times layer), u; `before` or `after` is NULL at a yarn's end. */
+YC_FN void yci_yarn_crossing_force(double *force, const double *before, const double *here, const double *after,
+    double k_stretch, double k_bend, double theta_0) {
+    const double *neighbour[2];
+    double q[11], g[11], nowhere[3] = {0.0, 0.0, 0.0};
+    neighbour[0] = before, neighbour[1] = after;
+    yci_zero(force, 3);
+    yci_add(q + 3, here, here + 3);
+    for (int side = 0; side < 2; side++) {
+        const double *other = neighbour[side];
+        double d[3], tension;
+        if (!other) continue;
+        yci_sub(d, other, here);
+        tension = k_stretch * (yci_norm(d) / fabs(other[6] - here[6]) - 1.0);
+        yci_add(q + 6 * side, other, other + 3);
+        yci_sub(d, q + 6 * side, q + 3);
+        yci_normalize(d, nowhere);
+        yci_axpy(force, tension, d);
+        q[9 + side] = other[6];
+    }
+    if (!before || !after) return;
+    yci_yarn_bend(q, k_bend, theta_0, 0.0, 0.0, 0.0, g, NULL, 0);
+    yci_axpy(force, -1.0, g + 3);
+}
+
+/* Compression lambda >= 0 in N of two yarns under these forces, the unit normal n pointing from low to high. */
+YC_FN double yci_yarn_compression(const double *low, const double *high, const double *n) {
+    return yci_max(0.0, 0.5 * (yci_dot(low, n) - yci_dot(high, n)));
+}
+
+/* -- kinetic ------------------------------------------------------------------------------------------------------- */
+
+/* Adds the lumped inertia of half a segment to the block (n x n, n = 3 + visits) of its node: (1/2) m |x' - w u'|^2
+ * with m = rho du/2 and w = (x_j - x_i)/du, and 1e-3 m on the diagonal of u, the floor for a compressed segment's w
+ * near 0. */
+YC_FN void yci_yarn_inertia(double m, const double *w, int visit, int n, double *block) {
+    int u = 3 + visit;
+    for (int i = 0; i < 3; i++) {
+        block[n * i + i] += m;
+        block[n * i + u] -= m * w[i];
+        block[n * u + i] -= m * w[i];
+    }
+    block[n * u + u] += m * (yci_dot(w, w) + 1e-3);
+}
+
+#undef YCI_YARN_SHORTEST
+#undef YCI_YARN_JAM
+
+/* =====================================================================================================================
+ * >>triangle   (chapter 7)
+ *
+ * Elements of the triangle cloth (MIX 4.1): pure functions with the manner of chapter 6 (energy returned, g and h
+ * overwritten unless NULL, `projected` 1 for a positive semidefinite Hessian in closed form).
+ *
+ *   membrane   St. Venant-Kirchhoff per rest area, F = [x1 - x0, x2 - x0] Dm^-1 (3x2) in the grain frame,
+ *              strain e = (E11, E22, 2 E12) of E = (F^T F - I)/2, density (1/2) e^T C e with
+ *              C = [C11 C12 0; C12 C22 0; 0 0 C33] in N/m. Hessian: area (B^T C B + stress term), B = de/dq.
+ *              Projected clamps the 2x2 stress of the second to its positive part: exact wherever both principal
+ *              stresses are tensile.
+ *   hinge      discrete shells, (1/2) c (theta - theta_bar)^2 with c = D |e|^2/A (D the flexural rigidity in N m, e the
+ *              rest edge, A the summed rest area of both triangles): a finely meshed cylinder of curvature kappa
+ *              stores (1/2) D kappa^2 per area. Projected is the Gauss-Newton part: exact at theta = theta_bar.
+ *
+ * The dihedral is theta = psi(x2) - psi(x3) - pi, psi the angle of a wing about the edge, positive when the wings rise
+ * to the side of the normal of (x0, x1, x2). So its derivatives are a sum over two independent wings. With t the edge's
+ * direction, l its length, m the wing's direction across it, n = t x m, height h and foot s (in edge lengths from x0),
+ *   grad psi = n w / h,                w = -(1 - s) on x0, -s on x1, 1 on the wing's tip,
+ *   hess psi = -sym(n m^T) w w^T / h^2 - sym((n v)(t w)^T) / (h l) - sym(n m^T) v v^T / (2 l^2),   v = -1, 1, 0,
+ * up to an antisymmetric term in which the two wings cancel, sym(X) = X + X^T (derived here). Degenerate triangles:
+ * directions by fixed rule, l floored at 1e-4 of the wings' size and h at 1e-4 of its triangle's size, both at a
+ * nanometre, so that the force stays bounded; it still sums to zero.
+ *
+ * Stiffness damping as in chapter 6: strains e_prev (read only when r > 0) and theta_prev at the step's start.
+ * ===================================================================================================================== */
+
+/* -- membrane: q = (x0, x1, x2) ------------------------------------------------------------------------------------ */
+
+typedef struct yci_membrane {
+    double dm[4]; /* inverse of the rest edges, 2x2 by rows, first coordinate along the grain, 1/m */
+    double area;  /* rest area in m^2; 0 for a pattern triangle too thin to tell, which has no energy */
+} yci_membrane;
+
+/* uv: three pattern points in metres, wound either way; grain: angle of the warp in radians from the u axis;
+ * pre_stretch: the rest shape is the pattern times this factor. */
+YC_FN void yci_triangle_rest(yci_membrane *rest, const double *uv, double grain, double pre_stretch) {
+    double c = pre_stretch * cos(grain), s = pre_stretch * sin(grain);
+    double u1 = uv[2] - uv[0], v1 = uv[3] - uv[1], u2 = uv[4] - uv[0], v2 = uv[5] - uv[1];
+    double a = c * u1 + s * v1, b = c * u2 + s * v2; /* rest edges as columns: (a, d) and (b, e) */
+    double d = c * v1 - s * u1, e = c * v2 - s * u2;
+    double det = a * e - b * d, size = a * a + b * b + d * d + e * e;
+    double scale = fabs(det) > 1e-12 * size ? 1.0 / det : 0.0;
+    rest->dm[0] = e * scale, rest->dm[1] = -b * scale;
+    rest->dm[2] = -d * scale, rest->dm[3] = a * scale;
+    rest->area = scale != 0.0 ? 0.5 * fabs(det) : 0.0;
+}
+
+/* The two columns of the deformation gradient. */
+YC_FN void yci_triangle_gradient(const double *q, const yci_membrane *rest, double *f1, double *f2) {
+    double e1[3], e2[3];
+    yci_sub(e1, q + 3, q), yci_sub(e2, q + 6, q);
+    yci_scale(f1, e1, rest->dm[0]), yci_axpy(f1, rest->dm[2], e2);
+    yci_scale(f2, e1, rest->dm[1]), yci_axpy(f2, rest->dm[3], e2);
+}
+
+YC_FN void yci_triangle_membrane_strain(const double *q, const yci_membrane *rest, double *strain) {
+    double f1[3], f2[3];
+    yci_triangle_gradient(q, rest, f1, f2);
+    strain[0] = 0.5 * (yci_dot(f1, f1) - 1.0);
+    strain[1] = 0.5 * (yci_dot(f2, f2) - 1.0);
+    strain[2] = yci_dot(f1, f2);
+}
+
+/* Adds factor times the stress of a strain and returns factor times its energy density. */
+YC_FN double yci_triangle_stress(double *stress, const double *material, double factor, const double *e) {
+    double s0 = factor * (material[0] * e[0] + material[1] * e[1]);
+    double s1 = factor * (material[1] * e[0] + material[2] * e[1]);
+    double s2 = factor * material[3] * e[2];
+    stress[0] += s0, stress[1] += s1, stress[2] += s2;
+    return 0.5 * (s0 * e[0] + s1 * e[1] + s2 * e[2]);
+}
+
+/* The positive semidefinite part of [s0 s2; s2 s1]. */
+YC_FN void yci_triangle_clamp(double *s) {
+    double mean = 0.5 * (s[0] + s[1]), half = 0.5 * (s[0] - s[1]), radius = sqrt(half * half + s[2] * s[2]);
+    double top = mean + radius, bottom = mean - radius;
+    if (bottom >= 0.0) return;
+    if (top <= 0.0) {
+        s[0] = s[1] = s[2] = 0.0;
+        return;
+    }
+    /* One eigenvalue of each sign: top times the projector on its eigenvector. */
+    top *= 0.5 / radius;
+    s[0] = top * (radius + half), s[1] = top * (radius - half), s[2] *= top;
+}
+
+/* material: C11, C12, C22, C33 in N/m. */
+YC_FN double yci_triangle_membrane(const double *q, const yci_membrane *rest, const double *material, double r,
+    const double *e_prev, double *g, double *h, int projected) {
+    double f1[3], f2[3], e[3], rate[3], stress[3] = {0.0, 0.0, 0.0}, density, b[3][9], n1[3], n2[3];
+    yci_triangle_gradient(q, rest, f1, f2);
+    yci_triangle_membrane_strain(q, rest, e);
+    density = yci_triangle_stress(stress, material, 1.0, e);
+    if (r > 0.0) {
+        yci_sub(rate, e, e_prev);
+        density += yci_triangle_stress(stress, material, r, rate);
+    }
+    if (!g && !h) return rest->area * density;
+    /* n1, n2: derivatives of the shape functions; rows of b: gradients of the three strains. */
+    n1[1] = rest->dm[0], n1[2] = rest->dm[2], n1[0] = -n1[1] - n1[2];
+    n2[1] = rest->dm[1], n2[2] = rest->dm[3], n2[0] = -n2[1] - n2[2];
+    for (int p = 0; p < 3; p++) {
+        for (int i = 0; i < 3; i++) {
+            b[0][3 * p + i] = n1[p] * f1[i];
+            b[1][3 * p + i] = n2[p] * f2[i];
+            b[2][3 * p + i] = n1[p] * f2[i] + n2[p] * f1[i];
+        }
+    }
+    if (g) {
+        for (int i = 0; i < 9; i++) {
+            g[i] = rest->area * (stress[0] * b[0][i] + stress[1] * b[1][i] + stress[2] * b[2][i]);
+        }
+    }
+    if (h) {
+        double c = rest->area * (1.0 + r);
+        for (int j = 0; j < 9; j++) {
+            double c0 = c * (material[0] * b[0][j] + material[1] * b[1][j]);
+            double c1 = c * (material[1] * b[0][j] + material[2] * b[1][j]);
+            double c2 = c * material[3] * b[2][j];
+            for (int i = 0; i < 9; i++) h[9 * j + i] = c0 * b[0][i] + c1 * b[1][i] + c2 * b[2][i];
+        }
+        if (projected) yci_triangle_clamp(stress);
+        for (int p = 0; p < 9; p++) {
+            int i = p / 3, j = p % 3;
+            double s = rest->area *
+                (stress[0] * n1[i] * n1[j] + stress[1] * n2[i] * n2[j] + stress[2] * (n1[i] * n2[j] + n2[i] * n1[j]));
+            for (int axis = 0; axis < 3; axis++) h[9 * (3 * i + axis) + 3 * j + axis] += s;
+        }
+    }
+    return rest->area * density;
+}
+
+#define YCI_TRIANGLE_SHORTEST 1e-9 /* metres */
+
+/* -- hinge: q = (x0, x1, x2, x3), x0 x1 the shared edge ------------------------------------------------------------ */
+
+typedef struct yci_triangle_wing {
+    double m[3], n[3];   /* unit, across the edge in the wing's plane, and normal to it: n = t x m */
+    double height, foot; /* of the tip: distance from the edge (floored), place along it (0 at x0, 1 at x1) */
+} yci_triangle_wing;
+
+YC_FN void yci_triangle_wing_make(yci_triangle_wing *wing, const double *t, double l, const double *y) {
+    double along = yci_dot(y, t), size = yci_norm(y), height;
+    yci_copy(wing->m, y), yci_axpy(wing->m, -along, t);
+    height = yci_norm(wing->m);
+    if (height > 1e-12 * size) yci_scale(wing->m, wing->m, 1.0 / height);
+    else yci_perpendicular(wing->m, t);
+    yci_cross(wing->n, t, wing->m);
+    wing->height = yci_max(yci_max(height, 1e-4 * (size + l)), YCI_TRIANGLE_SHORTEST);
+    wing->foot = along / l;
+}
+
+/* The edge's direction and length, and both wings; returns theta in [-pi, pi]. */
+YC_FN double yci_triangle_fold(const double *q, double *t, double *l, yci_triangle_wing *wings) {
+    double x_axis[3] = {1.0, 0.0, 0.0}, y2[3], y3[3], c[3];
+    yci_sub(t, q + 3, q), yci_sub(y2, q + 6, q), yci_sub(y3, q + 9, q);
+    *l = yci_normalize(t, x_axis);
+    *l = yci_max(yci_max(*l, 1e-4 * (yci_norm(y2) + yci_norm(y3))), YCI_TRIANGLE_SHORTEST);
+    yci_triangle_wing_make(&wings[0], t, *l, y2);
+    yci_triangle_wing_make(&wings[1], t, *l, y3);
+    yci_cross(c, wings[0].m, wings[1].m);
+    return atan2(yci_dot(t, c), -yci_dot(wings[0].m, wings[1].m));
+}
+
+YC_FN double yci_triangle_hinge_strain(const double *q) {
+    double t[3], l;
+    yci_triangle_wing wings[2];
+    return yci_triangle_fold(q, t, &l, wings);
+}
+
+/* Adds the derivatives of psi of one wing, times `slope` to g (twelve) and times `bend` to h (12 x 12, or NULL). */
+YC_FN void yci_triangle_wing_derivatives(const yci_triangle_wing *wing, const double *t, double l, int side,
+    double slope, double bend, double *g, double *h) {
+    double w[3], v[3] = {-1.0, 1.0, 0.0}, nm[9], nt[9];
+    w[0] = (wing->foot - 1.0) / wing->height, w[1] = -wing->foot / wing->height, w[2] = 1.0 / wing->height;
+    yci_scale(v, v, 1.0 / l);
+    for (int p = 0; p < 3; p++) yci_axpy(g + 3 * (p < 2 ? p : 2 + side), slope * w[p], wing->n);
+    if (!h) return;
+    for (int k = 0; k < 9; k++) {
+        nm[k] = wing->n[k / 3] * wing->m[k % 3] + wing->m[k / 3] * wing->n[k % 3];
+        nt[k] = wing->n[k / 3] * t[k % 3];
+    }
+    for (int p = 0; p < 3; p++) {
+        for (int q = 0; q < 3; q++) {
+            double across = -bend * (w[p] * w[q] + 0.5 * v[p] * v[q]);
+            double shear = -bend * v[p] * w[q], transposed = -bend * w[p] * v[q];
+            double *block = h + 36 * (p < 2 ? p : 2 + side) + 3 * (q < 2 ? q : 2 + side);
+            for (int i = 0; i < 3; i++) {
+                for (int j = 0; j < 3; j++) {
+                    block[12 * i + j] += across * nm[3 * i + j] + shear * nt[3 * i + j] + transposed * nt[3 * j + i];
+                }
+            }
+        }
+    }
+}
+
+/* c in N m; theta_bar and theta_prev in [-pi, pi], differences are taken modulo 2 pi. */
+YC_FN double yci_triangle_hinge(
+    const double *q, double c, double theta_bar, double r, double theta_prev, double *g, double *h, int projected) {
+    double t[3], l, gradient[12], s, rate, df, ddf = c * (1.0 + r), theta;
+    yci_triangle_wing wings[2];
+    theta = yci_triangle_fold(q, t, &l, wings);
+    s = yci_angle_difference(theta, theta_bar), rate = yci_angle_difference(theta, theta_prev);
+    df = c * (s + r * rate);
+    if (g || h) {
+        double *exact = projected ? NULL : h;
+        yci_zero(gradient, 12);
+        if (h) yci_zero(h, 144);
+        yci_triangle_wing_derivatives(&wings[0], t, l, 0, 1.0, df, gradient, exact);
+        yci_triangle_wing_derivatives(&wings[1], t, l, 1, -1.0, -df, gradient, exact);
+        for (int i = 0; i < 12 && g; i++) g[i] = df * gradient[i];
+        for (int i = 0; i < 12 && h; i++) {
+            double row = ddf * gradient[i];
+            for (int j = 0; j < 12; j++) h[12 * i + j] += row * gradient[j];
+        }
+    }
+    return 0.5 * c * (s * s + r * rate * rate);
+}
+
+#undef YCI_TRIANGLE_SHORTEST
+
+/* =====================================================================================================================
+ * >>contact   (chapter 8)
+ *
+ * Geometry and elements of contact: signed distances of rigid bodies, closest points of pairs, the penalty and friction
+ * potentials of both, and the broad phase that finds the pairs.
+ *
+ * Body distance d(x). Sphere, rounded cone, box and plane are exact. A loft measures, in the horizontal plane of each
+ * section j, D_j = (f - 1)/|grad f| with f = (|x/a|^e + |z/b|^e)^(1/e): the distance of the tangent at the radial
+ * projection, hence never above the true one, and exact to first order at the surface. The points (D_j, y_j) form a
+ * profile in a plane that holds the query at (0, y); d is the signed distance to that profile, closed by the two caps.
+ * So slope and caps are accounted for, d is continuous and changes no faster than the D_j do. Shapes join by the
+ * polynomial smooth minimum, whose gradient is a convex combination of theirs.
+ *
+ * Contact. x_rel = sum_i w_i x_i with sum_i w_i = 0 (or one node with w = 1 against a body), d = |x_rel|, n = x_rel/d:
+ *     E = k g(thickness - d),  g of yci_one_sided, delta = YCI_CONTACT_SHARE thickness
+ *     dE/dx_i = -k g' w_i n,   Hessian k g'' w_i w_j n n^T: positive semidefinite, the curvature of d is dropped.
+ * Friction, lagged as in incremental potentials: with w, n and lambda = k g' of the step's start (or of the last pass)
+ *     E = mu lambda f(|u_t|),  u_t = (I - n n^T) u,  u = sum_i w_i (x_i - x_i at the step's start) - motion of the body
+ *     f(s) = s^2/(2 eps) up to eps, s - eps/2 beyond,  eps = slip speed * h.
+ * A block that should stick therefore creeps with less than the slip speed. Both potentials give a 3-vector and a 3x3
+ * block in x_rel; yci_contact_spread carries them to the nodes.
+ *
+ * Directions at d = 0: the triangle's normal, the normal of both edges, else a fixed perpendicular of an edge, else x.
+ *
+ * Broad phase: boxes in a uniform hash grid whose cells are about as large as the mean box. The result's order and bits
+ * depend neither on the order of the input nor on the number of workers. Cost is linear while the boxes are of similar
+ * size; where a few are much larger than the rest, cells grow rather than entries.
+ *
+ * Workspace: pairs take about 48 bytes per box in the grid's cells plus 16 bytes per cell entry, freed on return.
+ * ===================================================================================================================== */
+
+#define YCI_CONTACT_SHARE 0.25 /* of the thickness: the part over which the penalty's stiffness rises to its full k */
+#define YCI_FAR 1e300          /* bounds of a half space */
+
+/* ---- signed distances of the primitives: value returned, gradient in n ---- */
+
+YC_FN double yci_sphere_distance(const double *p, const double *a, double ra, double *n) {
+    const double up[3] = {0.0, 1.0, 0.0};
+    yci_sub(n, p, a);
+    return yci_normalize(n, up) - ra;
+}
+
+/* The solid is the union of the spheres at a + t (b - a); the nearest of them has a closed form. */
+YC_FN double yci_rounded_cone_distance(
+    const double *p, const double *a, const double *b, double ra, double rb, double *n) {
+    double axis[3], q[3], centre[3], fallback[3], length, y, radial, slope, t;
+    yci_sub(axis, b, a);
+    length = yci_norm(axis);
+    if (length <= fabs(rb - ra)) return yci_sphere_distance(p, ra > rb ? a : b, yci_max(ra, rb), n);
+    yci_scale(axis, axis, 1.0 / length);
+    yci_sub(q, p, a);
+    y = yci_dot(q, axis);
+    yci_axpy(q, -y, axis);
+    radial = yci_norm(q);
+    slope = (rb - ra) / length;
+    t = yci_clamp(y + slope * radial / sqrt(1.0 - slope * slope), 0.0, length);
+    yci_copy(centre, a);
+    yci_axpy(centre, t, axis);
+    yci_perpendicular(fallback, axis);
+    yci_sub(n, p, centre);
+    return yci_normalize(n, fallback) - (ra + t * slope);
+}
+
+YC_FN double yci_box_distance(const double *p, const double *a, const double *b, double ra, double *n) {
+    double q[3], outside[3], sign[3], length, inner;
+    int i, axis = 0;
+    for (i = 0; i < 3; i++) {
+        sign[i] = p[i] < a[i] ? -1.0 : 1.0;
+        q[i] = fabs(p[i] - a[i]) - (b[i] - ra);
+        outside[i] = yci_max(q[i], 0.0);
+        if (q[i] > q[axis]) axis = i;
+    }
+    inner = q[axis];
+    if (inner <= 0.0) {
+        n[0] = n[1] = n[2] = 0.0;
+        n[axis] = sign[axis];
+        return inner - ra;
+    }
+    length = yci_norm(outside);
+    for (i = 0; i < 3; i++) n[i] = sign[i] * outside[i] / length;
+    return length - ra;
+}
+
+/* Distance in its plane to one section s = {y, half width, half depth, centre z}; g receives d/dx and d/dz. With
+ * U = |x|/(a f), V = |z|/(b f) and q = (V/a, -U/b): grad f = (U^(e-1)/a, V^(e-1)/b), its Hessian is
+ * (e-1)/f (UV)^(e-2) q q^T. Inside, 1/|grad f| fades with f^4 into the smaller half size, which is the depth at the
+ * centre: without that the depth there would depend on the direction one comes from. */
+YC_FN double yci_section_distance(const double *s, double e, double x, double z, double *g) {
+    double a = s[1], b = s[2], sx = x < 0.0 ? -1.0 : 1.0, sz, u, v, big, small, ratio, power, root;
+    double f, ue, ve, fx, fz, slope, least, weight, scale, along, turn;
+    z -= s[3];
+    sz = z < 0.0 ? -1.0 : 1.0;
+    u = fabs(x) / a, v = fabs(z) / b;
+    big = yci_max(u, v), small = yci_min(u, v);
+    if (big < 1e-12) {
+        g[0] = g[1] = 0.0;
+        return -yci_min(a, b);
+    }
+    ratio = small / big;
+    power = e == 2.0 ? 1.0 : pow(ratio, e - 2.0);
+    small = 1.0 + power * ratio * ratio; /* (f/big)^e */
+    root = e == 2.0 ? sqrt(small) : pow(small, 1.0 / e);
+    f = big * root;
+    ue = root * root / small, ve = power * ue; /* U^(e-2), V^(e-2) when u is the larger */
+    if (u < v) scale = ue, ue = ve, ve = scale;
+    u /= f, v /= f;
+    fx = ue * u / a, fz = ve * v / b;
+    slope = sqrt(fx * fx + fz * fz);
+    turn = (e - 1.0) / f * ue * ve * (v / a * fx - u / b * fz) / slope; /* grad |grad f| = turn q */
+    least = yci_min(a, b);
+    weight = f < 1.0 ? f * f * f * f : 1.0;
+    scale = least + weight * (1.0 / slope - least); /* the distance is (f - 1) scale */
+    along = scale + (f < 1.0 ? 4.0 * (f - 1.0) * f * f * f * (1.0 / slope - least) : 0.0);
+    turn *= (1.0 - f) * weight / (slope * slope);
+    g[0] = sx * (along * fx + turn * v / a), g[1] = sz * (along * fz - turn * u / b);
+    return (f - 1.0) * scale;
+}
+
+/* The nearest point so far of a loft's profile: its distance without sign, the gradient with it. */
+typedef struct {
+    double distance, sign, n[3];
+} yci_loft_best;
+
+/* One profile segment between sections s and s + 4; d and g are the section distances and their gradients. */
+YC_FN void yci_loft_segment(yci_loft_best *best, const double *s, const double *d0, const double *d1, double y) {
+    double run = s[4] - s[0], rise = d1[0] - d0[0], length = sqrt(run * run + rise * rise);
+    double t = yci_clamp(((y - s[0]) * run - d0[0] * rise) / (length * length), 0.0, 1.0);
+    double side = d0[0] + t * rise, up = y - (s[0] + t * run), distance = sqrt(side * side + up * up);
+    double by_side = run / length, by_y = rise / length;
+    if (distance >= best->distance) return;
+    if ((t <= 0.0 || t >= 1.0) && distance > 1e-12 * length)
+        by_side = best->sign * side / distance, by_y = best->sign * up / distance;
+    best->distance = distance;
+    best->n[0] = by_side * ((1.0 - t) * d0[1] + t * d1[1]);
+    best->n[1] = by_y;
+    best->n[2] = by_side * ((1.0 - t) * d0[2] + t * d1[2]);
+}
+
+YC_FN void yci_loft_cap(yci_loft_best *best, double distance, double direction) {
+    if (distance >= best->distance) return;
+    best->distance = distance;
+    best->n[0] = best->n[2] = 0.0, best->n[1] = direction;
+}
+
+/* Walks from the query's own height up and down the profile, as far as something nearer may be. */
+YC_FN double yci_loft_distance(const double *s, int count, double e, const double *p, double *n) {
+    double lower[3], upper[3], top[3], bottom[3], t, y = p[1];
+    int k = 0, end = count - 1, j;
+    yci_loft_best best;
+    while (end - k > 1) {
+        j = (k + end) / 2;
+        if (y < s[4 * j]) end = j;
+        else k = j;
+    }
+    lower[0] = yci_section_distance(s + 4 * k, e, p[0], p[2], lower + 1);
+    upper[0] = yci_section_distance(s + 4 * k + 4, e, p[0], p[2], upper + 1);
+    t = (y - s[4 * k]) / (s[4 * k + 4] - s[4 * k]);
+    best.distance = YCI_FAR, best.n[0] = best.n[1] = best.n[2] = 0.0;
+    best.sign = t >= 0.0 && t <= 1.0 && (1.0 - t) * lower[0] + t * upper[0] < 0.0 ? -1.0 : 1.0;
+    yci_loft_segment(&best, s + 4 * k, lower, upper, y);
+    yci_copy(bottom, lower);
+    for (j = k; j > 0 && y - s[4 * j] < best.distance; j--) {
+        yci_copy(top, bottom);
+        bottom[0] = yci_section_distance(s + 4 * j - 4, e, p[0], p[2], bottom + 1);
+        yci_loft_segment(&best, s + 4 * j - 4, bottom, top, y);
+    }
+    if (j == 0 && bottom[0] <= 0.0) yci_loft_cap(&best, fabs(y - s[0]), -1.0);
+    yci_copy(top, upper);
+    for (j = k + 1; j < count - 1 && s[4 * j] - y < best.distance; j++) {
+        yci_copy(bottom, top);
+        top[0] = yci_section_distance(s + 4 * j + 4, e, p[0], p[2], top + 1);
+        yci_loft_segment(&best, s + 4 * j, bottom, top, y);
+    }
+    if (j == count - 1 && top[0] <= 0.0) yci_loft_cap(&best, fabs(y - s[4 * j]), 1.0);
+    yci_copy(n, best.n);
+    return best.sign * best.distance;
+}
+
+/* ---- bodies ---- */
+
+typedef struct {
+    yc_primitive_type type;
+    double a[3], b[3], ra, rb, exponent; /* as in yc_primitive; a plane's b is a unit vector */
+    int first, count;                    /* loft: its rows in the body's sections */
+    double lo[3], hi[3];                 /* bounding box in the body's frame */
+} yci_primitive;
+
+/* world = r local + t, r by rows */
+typedef struct {
+    double r[9], t[3];
+} yci_pose;
+
+typedef struct {
+    yci_primitive *primitive;
+    int primitive_count;
+    double *section; /* rows of four of all lofts, refined so that neighbours are alike */
+    double smooth_radius, friction;
+    double lo[3], hi[3];
+    yci_pose pose, last; /* now, and at the start of the step */
+} yci_body_sdf;
+
+YC_API yc_body_desc yc_body_desc_default(void) {
+    yc_body_desc desc;
+    memset(&desc, 0, sizeof desc);
+    desc.cookie = YCI_DESC_COOKIE;
+    desc.friction = 0.3;
+    return desc;
+}
+
+YC_FN double yci_bounds_squared(const double *lo, const double *hi, const double *p) {
+    double sum = 0.0;
+    int i;
+    for (i = 0; i < 3; i++) {
+        double gap = yci_max(yci_max(lo[i] - p[i], p[i] - hi[i]), 0.0);
+        sum += gap * gap;
+    }
+    return sum;
+}
+
+YC_FN void yci_pose_local(const yci_pose *pose, const double *x, double *p) {
+    double q[3];
+    int i;
+    yci_sub(q, x, pose->t);
+    for (i = 0; i < 3; i++) p[i] = pose->r[i] * q[0] + pose->r[3 + i] * q[1] + pose->r[6 + i] * q[2];
+}
+
+YC_FN void yci_pose_rotate(const yci_pose *pose, const double *p, double *x) {
+    double q[3];
+    int i;
+    for (i = 0; i < 3; i++) q[i] = yci_dot(pose->r + 3 * i, p);
+    yci_copy(x, q);
+}
+
+/* `bound` is the squared distance to the bounding box. A loft's tangent distance may fall below it far away, so the
+ * larger of the two holds; for the other shapes it never does. */
+YC_FN double yci_primitive_distance(
+    const yci_primitive *q, const double *section, const double *p, double bound, double *n) {
+    double local[3], d;
+    int i;
+    switch (q->type) {
+    case YC_SPHERE: return yci_sphere_distance(p, q->a, q->ra, n);
+    case YC_ROUNDED_CONE: return yci_rounded_cone_distance(p, q->a, q->b, q->ra, q->rb, n);
+    case YC_BOX: return yci_box_distance(p, q->a, q->b, q->ra, n);
+    case YC_PLANE:
+        yci_copy(n, q->b);
+        yci_sub(local, p, q->a);
+        return yci_dot(local, q->b);
+    case YC_LOFT: break;
+    }
+    yci_sub(local, p, q->a);
+    d = yci_loft_distance(section + 4 * (size_t)q->first, q->count, q->exponent, local, n);
+    if (bound <= 0.0 || d * d >= bound) return d;
+    d = sqrt(bound);
+    for (i = 0; i < 3; i++) n[i] = (yci_min(p[i] - q->lo[i], 0.0) + yci_max(p[i] - q->hi[i], 0.0)) / d;
+    return d;
+}
+
+/* Signed distance of the world point x in metres; n receives its gradient, of length near one (a smooth union's is
+ * shorter in its creases). Shapes whose bounding box is farther than the blend reaches are skipped, which is exact. */
+YC_FN double yci_body_distance(const yci_body_sdf *body, const double *x, double *n) {
+    double p[3], sum[3] = {0.0, 0.0, 0.0}, d = YCI_FAR, k = body->smooth_radius;
+    int i, j;
+    yci_pose_local(&body->pose, x, p);
+    for (i = 0; i < body->primitive_count; i++) {
+        const yci_primitive *q = body->primitive + i;
+        double bound = yci_bounds_squared(q->lo, q->hi, p), reach = yci_max(d + k, 0.0), other, blend, m[3];
+        if (bound > 0.0 && bound >= reach * reach) continue;
+        other = yci_primitive_distance(q, body->section, p, bound, m);
+        blend = k > 0.0 ? 0.5 * yci_max(1.0 - fabs(d - other) / k, 0.0) : 0.0; /* weight of the farther one */
+        if (other < d) {
+            d = other;
+            blend = 1.0 - blend;
+        }
+        for (j = 0; j < 3; j++) sum[j] += blend * (m[j] - sum[j]);
+        blend = yci_min(blend, 1.0 - blend);
+        d -= k * blend * blend;
+    }
+    yci_pose_rotate(&body->pose, sum, n);
+    return d;
+}
+
+/* A lower bound of yci_body_distance at the price of a box; 0 or less says nothing. */
+YC_FN double yci_body_bound(const yci_body_sdf *body, const double *x) {
+    double p[3];
+    yci_pose_local(&body->pose, x, p);
+    return sqrt(yci_bounds_squared(body->lo, body->hi, p)) - body->smooth_radius;
+}
+
+/* How far the material point of the body that is at x now has moved since the step's start. */
+YC_FN void yci_body_motion(const yci_body_sdf *body, const double *x, double *u) {
+    double p[3];
+    yci_pose_local(&body->pose, x, p);
+    yci_pose_rotate(&body->last, p, p);
+    yci_add(p, p, body->last.t);
+    yci_sub(u, x, p);
+}
+
+/* Starts a step: the present pose becomes the last one, r (rotation, by rows) and t the present. */
+static void yci_body_move(yci_body_sdf *body, const double *r, const double *t) {
+    body->last = body->pose;
+    memcpy(body->pose.r, r, sizeof body->pose.r);
+    yci_copy(body->pose.t, t);
+}
+
+static void yci_body_free(yci_context *c, yci_body_sdf *body) {
+    yci_free(c, body->primitive);
+    yci_free(c, body->section);
+    memset(body, 0, sizeof *body);
+}
+
+static yc_result yci_body_wrong(yci_context *c, int index, const char *field, double value, const char *rule) {
+    return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives[%d].%s is %g, %s", index, field, value, rule);
+}
+
+/* A finite number in [lo, hi]; NaN fails both comparisons. */
+static int yci_within(double value, double lo, double hi) { return value >= lo && value <= hi; }
+
+static yc_result yci_body_check_vector(yci_context *c, int index, const char *field, const double *v) {
+    int j;
+    for (j = 0; j < 3; j++)
+        if (!yci_within(v[j], -1e100, 1e100))
+            return yci_fail(
+                c, YC_ERROR_ARGUMENT, "body.primitives[%d].%s[%d] is %g, must be finite", index, field, j, v[j]);
+    return YC_OK;
+}
+
+static yc_result yci_body_check_loft(yci_context *c, int index, const yc_primitive *p) {
+    static const char *const column[4] = {"height", "half width", "half depth", "centre"};
+    int i, j;
+    if (!yci_within(p->exponent, 2.0, 8.0))
+        return yci_body_wrong(c, index, "exponent", p->exponent, "must be in [2, 8]");
+    if (p->section_count < 2 || p->section_count > 65536)
+        return yci_body_wrong(c, index, "section_count", p->section_count, "must be in [2, 65536]");
+    if (!p->sections) return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives[%d].sections is NULL", index);
+    for (i = 0; i < p->section_count; i++) {
+        for (j = 0; j < 4; j++) {
+            double value = p->sections[i][j];
+            int positive = j == 1 || j == 2;
+            if (!yci_within(value, positive ? 1e-9 : -1e100, 1e100))
+                return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives[%d].sections[%d][%d] (%s) is %g, must be %s",
+                    index, i, j, column[j], value, positive ? "positive" : "finite");
+        }
+        if (i && !(p->sections[i][0] > p->sections[i - 1][0]))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives[%d].sections[%d][0] (height) is %g, must exceed %g",
+                index, i, p->sections[i][0], p->sections[i - 1][0]);
+    }
+    return YC_OK;
+}
+
+static yc_result yci_body_check(yci_context *c, int index, const yc_primitive *p) {
+    double smallest = yci_min(yci_min(p->b[0], p->b[1]), p->b[2]);
+    int j;
+    if ((int)p->type < (int)YC_SPHERE || (int)p->type > (int)YC_LOFT)
+        return yci_body_wrong(c, index, "type", (double)p->type, "is not a yc_primitive_type");
+    if (yci_body_check_vector(c, index, "a", p->a)) return YC_ERROR_ARGUMENT;
+    if (p->type == YC_LOFT) return yci_body_check_loft(c, index, p);
+    if (p->type != YC_SPHERE && yci_body_check_vector(c, index, "b", p->b)) return YC_ERROR_ARGUMENT;
+    if (p->type == YC_PLANE) {
+        if (!(yci_norm(p->b) > 1e-100))
+            return yci_body_wrong(c, index, "b", yci_norm(p->b), "in length, has no direction");
+        return YC_OK;
+    }
+    for (j = 0; p->type == YC_BOX && j < 3; j++)
+        if (!(p->b[j] > 0.0))
+            return yci_fail(
+                c, YC_ERROR_ARGUMENT, "body.primitives[%d].b[%d] is %g, must be positive", index, j, p->b[j]);
+    if (!yci_within(p->ra, 0.0, 1e100)) return yci_body_wrong(c, index, "ra", p->ra, "must be finite and not negative");
+    if (p->type == YC_SPHERE && !(p->ra > 0.0)) return yci_body_wrong(c, index, "ra", p->ra, "must be positive");
+    if (p->type == YC_BOX && p->ra > smallest)
+        return yci_body_wrong(c, index, "ra", p->ra, "must not exceed the smallest half extent");
+    if (p->type != YC_ROUNDED_CONE) return YC_OK;
+    if (!yci_within(p->rb, 0.0, 1e100)) return yci_body_wrong(c, index, "rb", p->rb, "must be finite and not negative");
+    if (!(p->ra + p->rb > 0.0)) return yci_body_wrong(c, index, "ra + rb", 0.0, "must be positive");
+    return YC_OK;
+}
+
+/* Neighbouring sections are refined until they are alike, since the profile goes linearly in the distance to them and
+ * should follow sections whose sizes and centre go linearly. Returns the number of pieces between the two rows. */
+static int yci_loft_pieces(const double *s, const double *next) {
+    double smallest = yci_min(yci_min(s[1], s[2]), yci_min(next[1], next[2])), change = 0.0;
+    int j;
+    for (j = 1; j < 4; j++) change = yci_max(change, fabs(next[j] - s[j]));
+    return (int)yci_clamp(ceil(6.0 * change / smallest), 1.0, 64.0);
+}
+
+/* Fills the copy of a primitive and its bounding box; `section` has room for the loft's refined rows. */
+static void yci_body_copy(yci_primitive *out, const yc_primitive *p, double *section, int first) {
+    int i, j, k, rows = 0;
+    out->type = p->type, out->ra = p->ra, out->rb = p->rb, out->exponent = p->exponent, out->first = first;
+    yci_copy(out->a, p->a), yci_copy(out->b, p->b);
+    if (p->type == YC_PLANE) yci_scale(out->b, p->b, 1.0 / yci_norm(p->b));
+    for (j = 0; j < 3; j++) {
+        double size = p->type == YC_BOX ? p->b[j] : p->ra;
+        out->lo[j] = p->type == YC_PLANE ? -YCI_FAR : p->a[j] - size;
+        out->hi[j] = p->type == YC_PLANE ? YCI_FAR : p->a[j] + size;
+        if (p->type != YC_ROUNDED_CONE) continue;
+        out->lo[j] = yci_min(out->lo[j], p->b[j] - p->rb);
+        out->hi[j] = yci_max(out->hi[j], p->b[j] + p->rb);
+    }
+    if (p->type != YC_LOFT) return;
+    for (i = 0; i < p->section_count; i++) {
+        const double *s = p->sections[i], *next = p->sections[i + 1 < p->section_count ? i + 1 : i];
+        int pieces = i + 1 < p->section_count ? yci_loft_pieces(s, next) : 1;
+        for (k = 0; k < pieces; k++, rows++)
+            for (j = 0; j < 4; j++) section[4 * rows + j] = s[j] + (next[j] - s[j]) * ((double)k / (double)pieces);
+        out->lo[0] = yci_min(i ? out->lo[0] : YCI_FAR, p->a[0] - s[1]);
+        out->hi[0] = yci_max(i ? out->hi[0] : -YCI_FAR, p->a[0] + s[1]);
+        out->lo[2] = yci_min(i ? out->lo[2] : YCI_FAR, p->a[2] + s[3] - s[2]);
+        out->hi[2] = yci_max(i ? out->hi[2] : -YCI_FAR, p->a[2] + s[3] + s[2]);
+    }
+    out->count = rows;
+    out->lo[1] = p->a[1] + p->sections[0][0];
+    out->hi[1] = p->a[1] + p->sections[p->section_count - 1][0];
+}
+
+/* Checks and copies a body; its pose is the identity. On failure *out is untouched. Give it to yci_body_free. */
+static yc_result yci_body_init(yci_context *c, const yc_body_desc *desc, yci_body_sdf *out) {
+    yci_body_sdf body;
+    size_t rows = 0;
+    int i, j;
+    memset(&body, 0, sizeof body);
+    if (desc->cookie != YCI_DESC_COOKIE)
+        return yci_fail(
+            c, YC_ERROR_ARGUMENT, "body.cookie is %u, make the struct with yc_body_desc_default()", desc->cookie);
+    if (desc->primitive_count < 1 || desc->primitive_count > 65536)
+        return yci_fail(
+            c, YC_ERROR_ARGUMENT, "body.primitive_count is %d, must be in [1, 65536]", desc->primitive_count);
+    if (!desc->primitives) return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives is NULL");
+    if (!yci_within(desc->smooth_radius, 0.0, 1e100))
+        return yci_fail(
+            c, YC_ERROR_ARGUMENT, "body.smooth_radius is %g, must be finite and not negative", desc->smooth_radius);
+    if (!yci_within(desc->friction, 0.0, 10.0))
+        return yci_fail(c, YC_ERROR_ARGUMENT, "body.friction is %g, must be in [0, 10]", desc->friction);
+    for (i = 0; i < desc->primitive_count; i++) {
+        const yc_primitive *p = desc->primitives + i;
+        if (yci_body_check(c, i, p)) return YC_ERROR_ARGUMENT;
+        if (p->type != YC_LOFT) continue;
+        for (j = 0; j + 1 < p->section_count; j++) rows += (size_t)yci_loft_pieces(p->sections[j], p->sections[j + 1]);
+        rows++;
+        if (rows > 0x1fffffff)
+            return yci_body_wrong(c, i, "section_count", p->section_count, "too many sections in all");
+    }
+    body.primitive = YCI_NEW(c, yci_primitive, desc->primitive_count);
+    body.section = YCI_NEW(c, double, 4 * rows);
+    if (!body.primitive || !body.section) {
+        yci_body_free(c, &body);
+        return yci_out_of_memory(c, "a body");
+    }
+    body.primitive_count = desc->primitive_count;
+    body.smooth_radius = desc->smooth_radius, body.friction = desc->friction;
+    for (i = 0, rows = 0; i < desc->primitive_count; i++) {
+        yci_primitive *q = body.primitive + i;
+        yci_body_copy(q, desc->primitives + i, body.section + 4 * rows, (int)rows);
+        rows += (size_t)q->count;
+        for (j = 0; j < 3; j++) {
+            body.lo[j] = yci_min(i ? body.lo[j] : YCI_FAR, q->lo[j]);
+            body.hi[j] = yci_max(i ? body.hi[j] : -YCI_FAR, q->hi[j]);
+        }
+    }
+    body.pose.r[0] = body.pose.r[4] = body.pose.r[8] = 1.0;
+    body.last = body.pose;
+    *out = body;
+    return YC_OK;
+}
+
+/* ---- closest points: distance returned, unit normal n, weights w with x_rel = sum w_i x_i = d n ---- */
+
+/* Squared distance; rel = p - (a + t (b - a)). */
+YC_FN double yci_closest_point_segment(const double *p, const double *a, const double *b, double *rel, double *t) {
+    double ab[3], ap[3], length;
+    yci_sub(ab, b, a), yci_sub(ap, p, a);
+    length = yci_dot(ab, ab);
+    *t = length > 0.0 ? yci_clamp(yci_dot(ap, ab) / length, 0.0, 1.0) : 0.0;
+    if (*t < 1.0) {
+        yci_copy(rel, ap);
+        yci_axpy(rel, -*t, ab);
+    } else yci_sub(rel, p, b);
+    return yci_dot(rel, rel);
+}
+
+/* The documented direction when a pair touches: the given normal, or a perpendicular of the edge, or x. */
+YC_FN void yci_closest_fallback(double *n, const double *normal, const double *edge) {
+    const double x[3] = {1.0, 0.0, 0.0};
+    double along[3];
+    yci_copy(n, normal);
+    if (yci_normalize(n, x) > 1e-150) return;
+    yci_copy(along, edge);
+    if (yci_normalize(along, x) > 1e-150) yci_perpendicular(n, along);
+}
+
+YC_FN double yci_closest_point_point(const double *p, const double *q, double *n, double *w) {
+    const double x[3] = {1.0, 0.0, 0.0};
+    w[0] = 1.0, w[1] = -1.0, w[2] = w[3] = 0.0;
+    yci_sub(n, p, q);
+    return yci_normalize(n, x);
+}
+
+YC_FN double yci_closest_point_triangle(
+    const double *p, const double *a, const double *b, const double *c, double *n, double *w) {
+    const double *corner[3] = {a, b, c};
+    double ab[3], ac[3], ap[3], normal[3], m[3], rel[3], area2, wb, wc, best = YCI_FAR, t;
+    int i, j;
+    yci_sub(ab, b, a), yci_sub(ac, c, a), yci_sub(ap, p, a);
+    yci_cross(normal, ab, ac);
+    area2 = yci_dot(normal, normal);
+    w[0] = 1.0;
+    if (area2 > 1e-24 * yci_dot(ab, ab) * yci_dot(ac, ac)) {
+        yci_cross(m, ap, ac), wb = yci_dot(m, normal) / area2;
+        yci_cross(m, ab, ap), wc = yci_dot(m, normal) / area2;
+        if (wb >= 0.0 && wc >= 0.0 && wb + wc <= 1.0) {
+            double height = yci_dot(ap, normal) / sqrt(area2);
+            w[1] = wb + wc - 1.0, w[2] = -wb, w[3] = -wc;
+            yci_scale(n, normal, (height < 0.0 ? -1.0 : 1.0) / sqrt(area2));
+            return fabs(height);
+        }
+    }
+    for (i = 0; i < 3; i++) {
+        double squared;
+        j = i == 2 ? 0 : i + 1;
+        squared = yci_closest_point_segment(p, corner[i], corner[j], rel, &t);
+        if (squared >= best) continue;
+        best = squared;
+        w[1] = w[2] = w[3] = 0.0;
+        w[1 + i] = t - 1.0, w[1 + j] = -t;
+        yci_copy(n, rel);
+    }
+    yci_closest_fallback(m, normal, yci_dot(ab, ab) > yci_dot(ac, ac) ? ab : ac);
+    return yci_normalize(n, m);
+}
+
+/* The minimum of a convex function over a square: inside it where the lines cross, else at an end of one edge. Parallel
+ * and zero-length edges have no crossing and need no case of their own. */
+YC_FN double yci_closest_edge_edge(
+    const double *a0, const double *a1, const double *b0, const double *b1, double *n, double *w) {
+    const double *end[4] = {a0, a1, b0, b1};
+    double u[3], v[3], r[3], rel[3], normal[3], m[3], uu, vv, uv, ur, vr, sine2, s, t, best = YCI_FAR;
+    int i;
+    yci_sub(u, a1, a0), yci_sub(v, b1, b0), yci_sub(r, a0, b0);
+    yci_cross(normal, u, v);
+    uu = yci_dot(u, u), vv = yci_dot(v, v), uv = yci_dot(u, v), ur = yci_dot(u, r), vr = yci_dot(v, r);
+    sine2 = yci_dot(normal, normal); /* uu vv - uv^2 without its cancellation */
+    if (sine2 > 1e-10 * uu * vv) {
+        s = (uv * vr - vv * ur) / sine2;
+        t = (uv * s + vr) / vv; /* by projection, which stays accurate where the lines are nearly parallel */
+        if (s >= 0.0 && s <= 1.0 && t >= 0.0 && t <= 1.0) {
+            double height = yci_dot(r, normal) / sqrt(sine2);
+            w[0] = 1.0 - s, w[1] = s, w[2] = t - 1.0, w[3] = -t;
+            yci_scale(n, normal, (height < 0.0 ? -1.0 : 1.0) / sqrt(sine2));
+            return fabs(height);
+        }
+    }
+    for (i = 0; i < 4; i++) {
+        int other = i < 2 ? 2 : 0, own = 2 - other;
+        double squared = yci_closest_point_segment(end[i], end[other], end[other + 1], rel, &t);
+        double sign = i < 2 ? 1.0 : -1.0;
+        if (squared >= best) continue;
+        best = squared;
+        w[own] = w[own + 1] = 0.0, w[i] = sign;
+        w[other] = -sign * (1.0 - t), w[other + 1] = -sign * t;
+        yci_scale(n, rel, sign);
+    }
+    yci_closest_fallback(m, normal, uu > vv ? u : v);
+    return yci_normalize(n, m);
+}
+
+/* ---- pairs ---- */
+
+typedef enum { YCI_POINT_TRIANGLE, YCI_EDGE_EDGE, YCI_POINT_POINT } yci_pair_kind;
+
+/* Nodes p, a, b, c or a0, a1, b0, b1 or p, q, -1, -1; touching when the distance is `thickness`. */
+typedef struct {
+    int node[4];
+    int kind;
+    double thickness;
+} yci_pair;
+
+YC_FN int yci_pair_nodes(int kind) { return kind == YCI_POINT_POINT ? 2 : 4; }
+
+/* The number of nodes on the pair's first side. */
+YC_FN int yci_pair_side(int kind) { return kind == YCI_EDGE_EDGE ? 2 : 1; }
+
+/* x are the positions of all nodes, three each. */
+YC_FN double yci_pair_distance(const yci_pair *pair, const double *x, double *n, double *w) {
+    const int *k = pair->node;
+    const double *p = x + 3 * (size_t)k[0], *q = x + 3 * (size_t)k[1];
+    if (pair->kind == YCI_POINT_POINT) return yci_closest_point_point(p, q, n, w);
+    if (pair->kind == YCI_EDGE_EDGE)
+        return yci_closest_edge_edge(p, q, x + 3 * (size_t)k[2], x + 3 * (size_t)k[3], n, w);
+    return yci_closest_point_triangle(p, q, x + 3 * (size_t)k[2], x + 3 * (size_t)k[3], n, w);
+}
+
+/* ---- elements: energy returned, gradient g[3] and Hessian h[9] in x_rel ---- */
+
+/* The penalty of distance d with gradient n (unit, or what yci_body_distance gave); *lambda is the normal force, N. */
+YC_FN double yci_contact_normal(
+    double d, const double *n, double thickness, double k, double *lambda, double *g, double *h) {
+    double energy, slope, curvature;
+    int i, j;
+    yci_one_sided(thickness - d, YCI_CONTACT_SHARE * thickness, &energy, &slope, &curvature);
+    *lambda = k * slope;
+    for (i = 0; i < 3; i++) {
+        g[i] = -k * slope * n[i];
+        for (j = 0; j < 3; j++) h[3 * i + j] = k * curvature * n[i] * n[j];
+    }
+    return k * energy;
+}
+
+/* Friction of the displacement u with the lagged unit normal n; limit = mu lambda in N, eps > 0 the slip length. */
+YC_FN double yci_contact_friction(const double *u, const double *n, double limit, double eps, double *g, double *h) {
+    double t[3], slip, stiffness, across; /* `across`: what the Hessian lacks along the slip */
+    int i, j;
+    yci_copy(t, u);
+    yci_axpy(t, -yci_dot(u, n), n);
+    slip = yci_norm(t);
+    stiffness = limit / yci_max(slip, eps);
+    across = slip > eps ? stiffness / (slip * slip) : 0.0;
+    for (i = 0; i < 3; i++) {
+        g[i] = stiffness * t[i];
+        for (j = 0; j < 3; j++) h[3 * i + j] = stiffness * ((i == j ? 1.0 : 0.0) - n[i] * n[j]) - across * t[i] * t[j];
+    }
+    return slip > eps ? limit * (slip - 0.5 * eps) : limit * slip * slip / (2.0 * eps);
+}
+
+/* Adds g and h of x_rel to the gradient (3 count) and the Hessian (3 count by 3 count, by rows) of the nodes. */
+YC_FN void yci_contact_spread(
+    int count, const double *w, const double *g, const double *h, double *gradient, double *hessian) {
+    int i, j, r, s;
+    for (i = 0; i < count; i++) {
+        yci_axpy(gradient + 3 * i, w[i], g);
+        for (j = 0; j < count; j++)
+            for (r = 0; r < 3; r++)
+                for (s = 0; s < 3; s++) hessian[(3 * i + r) * 3 * count + 3 * j + s] += w[i] * w[j] * h[3 * r + s];
+    }
+}
+
+/* ---- how far a step may go ---- */
+
+/* The largest t in (0, 1] with which t dx moves the two sides of no pair against each other by more than 0.4 of their
+ * distance. So that pressed layers can move at all, 0.02 thickness is always allowed: a pair that is farther apart than
+ * that cannot pass through, a nearer one is left to the penalty, which then is at its strongest. */
+static double yci_pair_step_limit(const yci_pair *pair, int count, const double *x, const double *dx) {
+    double limit = 1.0, n[3], w[4], u[3];
+    int i, j, k;
+    for (i = 0; i < count; i++) {
+        int side = yci_pair_side(pair[i].kind), nodes = yci_pair_nodes(pair[i].kind);
+        double allowed, fastest = 0.0;
+        for (j = 0; j < side; j++)
+            for (k = side; k < nodes; k++) {
+                yci_sub(u, dx + 3 * (size_t)pair[i].node[j], dx + 3 * (size_t)pair[i].node[k]);
+                fastest = yci_max(fastest, yci_dot(u, u));
+            }
+        fastest = sqrt(fastest) * limit;
+        if (fastest <= 0.02 * pair[i].thickness) continue;
+        allowed = yci_max(0.4 * yci_pair_distance(pair + i, x, n, w), 0.02 * pair[i].thickness);
+        if (fastest > allowed) limit *= allowed / fastest;
+    }
+    return limit;
+}
+
+/* How far any node is from where it was: pairs found at `before` with margin m are complete while this is below m/2. */
+static double yci_pairs_drift(int node_count, const double *before, const double *x) {
+    double farthest = 0.0, u[3];
+    int i;
+    for (i = 0; i < node_count; i++) {
+        yci_sub(u, x + 3 * (size_t)i, before + 3 * (size_t)i);
+        farthest = yci_max(farthest, yci_dot(u, u));
+    }
+    return sqrt(farthest);
+}
+
+/* ---- broad phase ---- */
+
+typedef struct {
+    int node_count, triangle_count, edge_count, point_count;
+    const double *x;               /* node_count x 3 */
+    const int *triangle;           /* triangle_count x 3 nodes */
+    const double *triangle_radius; /* m, half the thickness on either side */
+    const int *edge;               /* edge_count x 2 nodes */
+    const double *edge_radius;     /* m */
+    const int *point;              /* point_count nodes */
+    const double *point_radius;    /* m */
+    const unsigned char *sphere;   /* point_count: not 0 where a point also meets other such points; NULL: nowhere */
+    double margin;                 /* m: pairs up to this much beyond touching are found */
+    int (*exclude)(void *user, const yci_pair *pair); /* not 0 leaves the pair out; pure, runs on any worker; or NULL */
+    void *exclude_user;
+} yci_pairs_input;
+
+typedef struct {
+    yci_pair *pair;
+    int count, capacity;
+} yci_pairs;
+
+static void yci_pairs_free(yci_context *c, yci_pairs *pairs) {
+    yci_free(c, pairs->pair);
+    memset(pairs, 0, sizeof *pairs);
+}
+
+/* An `exclude`: leaves out what touches at rest already. `user` are the rest positions, doubles, three a node. */
+static int yci_pairs_exclude_rest(void *user, const yci_pair *pair) {
+    double n[3], w[4];
+    return yci_pair_distance(pair, (const double *)user, n, w) < pair->thickness;
+}
+
+typedef struct {
+    unsigned long long cell;
+    int item;
+} yci_grid_entry;
+
+/* Boxes (lo, hi: six numbers each) in the cells they touch; entries of equal hash lie together, in order of items. */
+typedef struct {
+    int count, bits;
+    const double *box;
+    double origin[3], scale; /* cells per metre */
+    int *start;              /* 2^bits + 1 */
+    yci_grid_entry *entry;
+} yci_grid;
+
+#define YCI_GRID_CELLS 1048576.0 /* along one axis at most, so that three indices fit 63 bits */
+
+/* Monotone in x, which is all that the query needs: what lies outside the grid is counted to its border. */
+static int yci_grid_index(const yci_grid *grid, int axis, double x) {
+    return (int)yci_clamp((x - grid->origin[axis]) * grid->scale, 0.0, YCI_GRID_CELLS);
+}
+
+static void yci_grid_range(const yci_grid *grid, const double *box, int *lo, int *hi) {
+    int i;
+    for (i = 0; i < 3; i++) lo[i] = yci_grid_index(grid, i, box[i]), hi[i] = yci_grid_index(grid, i, box[3 + i]);
+}
+
+static unsigned long long yci_grid_key(int x, int y, int z) {
+    return ((unsigned long long)z << 42) | ((unsigned long long)y << 21) | (unsigned long long)x;
+}
+
+static size_t yci_grid_hash(const yci_grid *grid, unsigned long long key) {
+    return (size_t)((key * 0x9e3779b97f4a7c15ull) >> (64 - grid->bits));
+}
+
+/* An empty box, of a point that takes no part. */
+static int yci_grid_empty(const double *box) { return box[0] > box[3]; }
+
+static double yci_grid_entries(const yci_grid *grid) {
+    double sum = 0.0;
+    int i, lo[3], hi[3];
+    for (i = 0; i < grid->count; i++) {
+        if (yci_grid_empty(grid->box + 6 * (size_t)i)) continue;
+        yci_grid_range(grid, grid->box + 6 * (size_t)i, lo, hi);
+        sum += (hi[0] - lo[0] + 1.0) * (hi[1] - lo[1] + 1.0) * (hi[2] - lo[2] + 1.0);
+    }
+    return sum;
+}
+
+/* Cells a little larger than the mean box; larger still while some boxes fill so many that entries were not linear. */
+static void yci_grid_size(yci_grid *grid) {
+    double hi[3] = {-YCI_FAR, -YCI_FAR, -YCI_FAR}, span = 0.0, mean = 0.0, cell;
+    int i, j, used = 0;
+    for (j = 0; j < 3; j++) grid->origin[j] = YCI_FAR;
+    for (i = 0; i < grid->count; i++) {
+        const double *box = grid->box + 6 * (size_t)i;
+        double size = 0.0;
+        if (yci_grid_empty(box)) continue;
+        for (j = 0; j < 3; j++) {
+            grid->origin[j] = yci_min(grid->origin[j], box[j]);
+            hi[j] = yci_max(hi[j], box[3 + j]);
+            size = yci_max(size, box[3 + j] - box[j]);
+        }
+        mean += size, used++;
+    }
+    for (j = 0; j < 3 && used; j++) span = yci_max(span, hi[j] - grid->origin[j]);
+    cell = used ? yci_max(1.2 * mean / used, span / (0.5 * YCI_GRID_CELLS)) : 1.0;
+    grid->scale = cell > 1e-100 ? 1.0 / cell : 1.0;
+    while (yci_grid_entries(grid) > 32.0 * used + 64.0) grid->scale /= 1.5;
+}
+
+static void yci_grid_free(yci_context *c, yci_grid *grid) {
+    yci_free(c, grid->start);
+    yci_free(c, grid->entry);
+}
+
+/* Counting sort of (cell, item) by the cell's hash. Returns 0 when out of memory, with nothing left behind. */
+static int yci_grid_build(yci_context *c, yci_grid *grid, const double *box, int count) {
+    double entries;
+    size_t size, h;
+    int i, x, y, z, pass, lo[3], hi[3];
+    memset(grid, 0, sizeof *grid);
+    grid->count = count, grid->box = box;
+    yci_grid_size(grid);
+    entries = yci_grid_entries(grid);
+    if (entries > 1e9) return 0;
+    for (grid->bits = 4; (double)((size_t)1 << grid->bits) < entries; grid->bits++) {}
+    size = (size_t)1 << grid->bits;
+    grid->start = YCI_NEW(c, int, size + 1);
+    grid->entry = YCI_NEW(c, yci_grid_entry, entries);
+    if (!grid->start || !grid->entry) {
+        yci_grid_free(c, grid);
+        return 0;
+    }
+    for (pass = 0; pass < 2; pass++) {
+        for (i = 0; i < count; i++) {
+            if (yci_grid_empty(box + 6 * (size_t)i)) continue;
+            yci_grid_range(grid, box + 6 * (size_t)i, lo, hi);
+            for (z = lo[2]; z <= hi[2]; z++)
+                for (y = lo[1]; y <= hi[1]; y++)
+                    for (x = lo[0]; x <= hi[0]; x++) {
+                        unsigned long long key = yci_grid_key(x, y, z);
+                        h = yci_grid_hash(grid, key);
+                        if (pass) {
+                            yci_grid_entry *entry = grid->entry + grid->start[h]++;
+                            entry->cell = key, entry->item = i;
+                        } else grid->start[h + 1]++;
+                    }
+        }
+        if (!pass)
+            for (h = 0; h < size; h++) grid->start[h + 1] += grid->start[h];
+    }
+    memmove(grid->start + 1, grid->start, size * sizeof *grid->start); /* filling moved every start to the next one's */
+    grid->start[0] = 0;
+    return 1;
+}
+
+static int yci_boxes_overlap(const double *a, const double *b) {
+    return a[0] <= b[3] && b[0] <= a[3] && a[1] <= b[4] && b[1] <= a[4] && a[2] <= b[5] && b[2] <= a[5];
+}
+
+/* One join: every query box against the boxes in the grid; the query of a self-join looks at later items only. */
+typedef struct {
+    const yci_pairs_input *in;
+    int kind, grain, slots;
+    const double *query;
+    const yci_grid *grid;
+    yci_pair *slot; /* `slots` per block */
+    int *found;     /* per block: how many there are, also when they are more than the slots */
+} yci_join;
+
+static void yci_sort_nodes(int *k, int count) {
+    int i, j, swap;
+    for (i = 1; i < count; i++)
+        for (j = i; j > 0 && k[j] < k[j - 1]; j--) swap = k[j], k[j] = k[j - 1], k[j - 1] = swap;
+}
+
+/* The pair of items i and j in canonical order, so that its distance has the same bits however the input is ordered:
+ * nodes of a triangle or an edge ascend, and so do the edges or points. Returns 0 if it is none. */
+static int yci_join_pair(const yci_pairs_input *in, int kind, int i, int j, yci_pair *pair) {
+    double n[3], w[4];
+    int *k = pair->node, side = yci_pair_side(kind), nodes = yci_pair_nodes(kind), r, s, swap;
+    pair->kind = kind;
+    if (kind == YCI_EDGE_EDGE) {
+        memcpy(k, in->edge + 2 * (size_t)i, 2 * sizeof *k);
+        memcpy(k + 2, in->edge + 2 * (size_t)j, 2 * sizeof *k);
+        pair->thickness = in->edge_radius[i] + in->edge_radius[j];
+    } else if (kind == YCI_POINT_POINT) {
+        k[0] = in->point[i], k[1] = in->point[j], k[2] = k[3] = -1;
+        pair->thickness = in->point_radius[i] + in->point_radius[j];
+    } else {
+        k[0] = in->point[i];
+        memcpy(k + 1, in->triangle + 3 * (size_t)j, 3 * sizeof *k);
+        pair->thickness = in->point_radius[i] + in->triangle_radius[j];
+    }
+    for (r = 0; r < side; r++)
+        for (s = side; s < nodes; s++)
+            if (k[r] == k[s]) return 0;
+    yci_sort_nodes(k, side);
+    yci_sort_nodes(k + side, nodes - side);
+    if (kind != YCI_POINT_TRIANGLE && k[side] < k[0])
+        for (r = 0; r < side; r++) swap = k[r], k[r] = k[side + r], k[side + r] = swap;
+    return yci_pair_distance(pair, in->x, n, w) < pair->thickness + in->margin &&
+        !(in->exclude && in->exclude(in->exclude_user, pair));
+}
+
+/* Two boxes may share several cells; they meet in the lowest one they share, and only there. */
+static void yci_join_block(void *arg, int begin, int end) {
+    const yci_join *join = (const yci_join *)arg;
+    const yci_grid *grid = join->grid;
+    yci_pair *slot = join->slot + (size_t)(begin / join->grain) * (size_t)join->slots, pair;
+    int i, e, x, y, z, found = 0, lo[3], hi[3];
+    for (i = begin; i < end; i++) {
+        const double *box = join->query + 6 * (size_t)i;
+        if (yci_grid_empty(box)) continue;
+        yci_grid_range(grid, box, lo, hi);
+        for (z = lo[2]; z <= hi[2]; z++)
+            for (y = lo[1]; y <= hi[1]; y++)
+                for (x = lo[0]; x <= hi[0]; x++) {
+                    unsigned long long key = yci_grid_key(x, y, z);
+                    size_t h = yci_grid_hash(grid, key);
+                    for (e = grid->start[h + 1]; e-- > grid->start[h];) { /* items descend */
+                        const double *other;
+                        int j = grid->entry[e].item;
+                        if (join->kind != YCI_POINT_TRIANGLE && j <= i) break;
+                        if (grid->entry[e].cell != key) continue;
+                        other = grid->box + 6 * (size_t)j;
+                        if (!yci_boxes_overlap(box, other) || x != yci_grid_index(grid, 0, yci_max(box[0], other[0])) ||
+                            y != yci_grid_index(grid, 1, yci_max(box[1], other[1])) ||
+                            z != yci_grid_index(grid, 2, yci_max(box[2], other[2])))
+                            continue;
+                        if (!yci_join_pair(join->in, join->kind, i, j, &pair)) continue;
+                        if (found < join->slots) slot[found] = pair;
+                        found++;
+                    }
+                }
+    }
+    join->found[begin / join->grain] = found;
+}
+
+/* Boxes of `size`-node items, grown by radius and half the margin; items that `use` leaves out get an empty box. */
+static double *yci_join_boxes(yci_context *c, const yci_pairs_input *in, const int *node, int size,
+    const double *radius, const unsigned char *use, int count) {
+    double *boxes = YCI_NEW(c, double, 6 * (size_t)count);
+    int i, j, k;
+    for (i = 0; boxes && i < count; i++) {
+        double *box = boxes + 6 * (size_t)i, grow = radius[i] + 0.5 * in->margin;
+        for (k = 0; k < 3; k++) box[k] = YCI_FAR, box[3 + k] = -YCI_FAR;
+        for (j = 0; j < size && (!use || use[i]); j++)
+            for (k = 0; k < 3; k++) {
+                double at = in->x[3 * (size_t)node[(size_t)size * (size_t)i + (size_t)j] + (size_t)k];
+                box[k] = yci_min(box[k], at - grow), box[3 + k] = yci_max(box[3 + k], at + grow);
+            }
+    }
+    return boxes;
+}
+
+/* Runs a join and appends its pairs. Blocks write to slots of their own; should one need more, all run again. */
+static yc_result yci_join_run(yci_context *c, yci_join *join, int queries, yci_pairs *out) {
+    int i, most, total, blocks;
+    yc_result result = YC_ERROR_MEMORY;
+    join->grain = 256, join->slots = 8 * join->grain;
+    blocks = (queries + join->grain - 1) / join->grain;
+    join->found = YCI_NEW(c, int, blocks);
+    for (join->slot = NULL; join->found;) {
+        yci_free(c, join->slot);
+        join->slot = YCI_NEW(c, yci_pair, (size_t)blocks * (size_t)join->slots);
+        if (!join->slot) break;
+        yci_parallel(c, queries, join->grain, yci_join_block, join);
+        for (i = 0, most = 0, total = out->count; i < blocks && total >= 0; i++) {
+            most = join->found[i] > most ? join->found[i] : most;
+            total = join->found[i] > 0x3fffffff - total ? -1 : total + join->found[i];
+        }
+        if (total < 0) break;
+        if (most > join->slots) {
+            join->slots = most;
+            continue;
+        }
+        if (!YCI_RESERVE(c, out->pair, out->capacity, out->count, total)) break;
+        for (i = 0; i < blocks; i++) {
+            const yci_pair *from = join->slot + (size_t)i * (size_t)join->slots;
+            if (join->found[i]) memcpy(out->pair + out->count, from, (size_t)join->found[i] * sizeof *from);
+            out->count += join->found[i];
+        }
+        result = YC_OK;
+        break;
+    }
+    yci_free(c, join->slot);
+    yci_free(c, join->found);
+    return result;
+}
+
+static yc_result yci_pairs_join(yci_context *c, const yci_pairs_input *in, int kind, yci_pairs *out) {
+    const unsigned char *use = kind == YCI_POINT_POINT ? in->sphere : NULL;
+    const int *node = kind == YCI_EDGE_EDGE ? in->edge : in->point;
+    const double *radius = kind == YCI_EDGE_EDGE ? in->edge_radius : in->point_radius;
+    int count = kind == YCI_EDGE_EDGE ? in->edge_count : in->point_count;
+    double *query, *box;
+    yci_grid grid;
+    yci_join join;
+    yc_result result = YC_ERROR_MEMORY;
+    if (!count || (kind == YCI_POINT_POINT && !use)) return YC_OK;
+    if (kind == YCI_POINT_TRIANGLE && !in->triangle_count) return YC_OK;
+    memset(&join, 0, sizeof join);
+    query = box = yci_join_boxes(c, in, node, kind == YCI_EDGE_EDGE ? 2 : 1, radius, use, count);
+    if (kind == YCI_POINT_TRIANGLE)
+        box = yci_join_boxes(c, in, in->triangle, 3, in->triangle_radius, NULL, in->triangle_count);
+    if (query && box && yci_grid_build(c, &grid, box, kind == YCI_POINT_TRIANGLE ? in->triangle_count : count)) {
+        join.in = in, join.kind = kind, join.query = query, join.grid = &grid;
+        result = yci_join_run(c, &join, count, out);
+        yci_grid_free(c, &grid);
+    }
+    if (box != query) yci_free(c, box);
+    yci_free(c, query);
+    return result;
+}
+
+/* Total order by kind, nodes, and thickness from large to small. */
+static int yci_pair_before(const yci_pair *a, const yci_pair *b) {
+    int i;
+    if (a->kind != b->kind) return a->kind < b->kind;
+    for (i = 0; i < 4; i++)
+        if (a->node[i] != b->node[i]) return a->node[i] < b->node[i];
+    return a->thickness > b->thickness;
+}
+
+/* Merge sort from below, with scratch of the same size; the sorted list ends in `pair`. */
+static void yci_pairs_sort(yci_pair *pair, yci_pair *scratch, int count) {
+    yci_pair *from = pair, *to = scratch, *swap;
+    int width, begin;
+    for (width = 1; width < count; width = width < count / 2 ? 2 * width : count) {
+        for (begin = 0; begin < count; begin += 2 * width) {
+            int middle = width < count - begin ? begin + width : count;
+            int end = width < count - middle ? middle + width : count, i = begin, j = middle, k = begin;
+            for (; k < end; k++)
+                to[k] = j >= end || (i < middle && !yci_pair_before(from + j, from + i)) ? from[i++] : from[j++];
+            if (end == count) break;
+        }
+        swap = from, from = to, to = swap;
+    }
+    if (from != pair && count) memcpy(pair, from, (size_t)count * sizeof *pair);
+}
+
+/* Replaces *out by all pairs nearer than thickness + margin that share no node and are not excluded, sorted by kind and
+ * nodes, each once. On failure *out is untouched. */
+static yc_result yci_pairs_find(yci_context *c, const yci_pairs_input *in, yci_pairs *out) {
+    yci_pairs found;
+    yci_pair *scratch;
+    size_t v;
+    int kind, i, kept = 0;
+    memset(&found, 0, sizeof found);
+    for (v = 0; v < 3 * (size_t)in->node_count; v++)
+        if (!yci_within(in->x[v], -1e100, 1e100))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "contact: position of node %d is %g", (int)(v / 3), in->x[v]);
+    for (kind = YCI_POINT_TRIANGLE; kind <= YCI_POINT_POINT; kind++)
+        if (yci_pairs_join(c, in, kind, &found)) break;
+    scratch = kind > YCI_POINT_POINT ? YCI_NEW(c, yci_pair, found.count) : NULL;
+    if (!scratch) {
+        yci_pairs_free(c, &found);
+        return yci_out_of_memory(c, "contact pairs");
+    }
+    yci_pairs_sort(found.pair, scratch, found.count);
+    yci_free(c, scratch);
+    for (i = 0; i < found.count; i++) {
+        if (kept && !memcmp(found.pair[i].node, found.pair[kept - 1].node, sizeof found.pair[i].node) &&
+            found.pair[i].kind == found.pair[kept - 1].kind)
+            continue;
+        found.pair[kept++] = found.pair[i];
+    }
+    found.count = kept;
+    yci_pairs_free(c, out);
+    *out = found;
+    return YC_OK;
+}
+
+#undef YCI_GRID_CELLS
+
+/* =====================================================================================================================
+ * >>mixed   (chapter 9)
+ *
+ * MIX's enriched kinematics of the hybrid region: vertices v, yarn nodes p, barycentric weights B, displacements x.
+ *
+ *     p = B v + F x,   F = I - B_t G^-1 B_t',   G = B_t' B_t                                              (MIX 2, 3)
+ *
+ * B has a column for every vertex that moves a hybrid node. The filter acts on the set t of columns: free vertices that
+ * the yarns cover well. A pinned vertex, and one with hardly any yarn under it, still moves p but is not filtered. So
+ * F = F' = F F and B_t' F = 0, and (v, F x) and (p, v outside t) describe the same motion, one for one:
+ *
+ *     T: (p, v_rest) -> v_t = G^-1 B_t' (p - B_rest v_rest),   x = F (p - B_rest v_rest).
+ *
+ * All of it is constant and acts on one coordinate at a time: G is scalar, factored once, solved for x, y, z together.
+ *
+ * Mass preconditioner P = S M + I - S, S = diag(I, F), M = [Mv + B'Mp B, B'Mp; Mp B, Mp] with the free columns of B
+ * (MIX 7, 8, 12). For a filtered residual z = P^-1 r is the filtered solution of S M z = r. With y = B z_v + z_x, the
+ * velocity of the yarn nodes, its rows are
+ *
+ *     Mv z_v + B' Mp y = r_v,   F Mp y = r_x,   B_t' z_x = 0.
+ *
+ * The second says Mp y = r_x + B_t k for some k; put into the first, and into the third as B_t' y = B_t' B z_v:
+ *
+ *     [ Mv   H ] [ z_v ]   [ r_v - B' r_x   ]     H = B' B_t,   K = B_t' Mp^-1 B_t,
+ *     [ H'  -K ] [  k  ] = [ B_t' Mp^-1 r_x ]     y = Mp^-1 (r_x + B_t k),   z_x = y - B z_v.
+ *
+ * This is sparse, symmetric and quasi-definite, as large as the vertices, and exact: no low-rank update is needed. The
+ * right-hand side takes an unfiltered r_x too and gives the answer for F r_x. Vertex j of t brings the pivot pair
+ * (k_j, z_j), so that none is singular even where Mv = 0 (all the mass on the yarns); outside t, Mv must be positive. A
+ * vertex that moves no hybrid node has z = r / Mv; a pinned one has z = 0.
+ *
+ * The paper's own form (12)-(15), a dense LU of the low-rank update, is kept as reference. There I - S is multiplied by
+ * the mean mass of a node: it cancels on filtered vectors, and with I (no unit) beside masses of 1e-8 kg the small
+ * matrix would have condition 1e15.
+ *
+ * Vectors have 3 numbers per vertex or per hybrid node. Nodes in a row in the same triangle form a run, whose corners
+ * are read once: numbering hybrid nodes along yarns or by triangle makes products fast. Objects hold their workspace:
+ * each serves one thread at a time; products run in parallel inside. Nothing but create and factor can fail.
+ * ===================================================================================================================== */
+
+/* A free vertex leaves the filter when its diagonal of B'B is below YCI_MIXED_COVER of the median, or when its column
+ * of B, scaled to length 1, is a combination of the others' but for sqrt(YCI_MIXED_RANK): nodes on one line, or fewer
+ * nodes than vertices. What remains keeps B_t' F x below about 1e-12 |x|. */
+#define YCI_MIXED_COVER 1e-3
+#define YCI_MIXED_RANK 1e-8
+#define YCI_MIXED_GRAIN 256 /* runs, or columns, in a block of a parallel loop */
+
+typedef struct yci_mixed {
+    yci_context *c;
+    int vertex_count, hybrid_count;
+    unsigned char *is_free; /* [vertex_count] */
+    /* Columns of B: first the set t, then the other free vertices (badly covered: the caller should log their number,
+     * free_count - t_count), then known ones. Each part in the vertices' order. */
+    int t_count, free_count, column_count;
+    int *vertex; /* [column_count] */
+    int run_count;
+    int *run;          /* [run_count + 1] first hybrid node of each run */
+    int (*corner)[3];  /* [run_count] columns */
+    double (*beta)[3]; /* [hybrid_count] */
+    int *share_ptr;    /* [column_count + 1] */
+    int *share;        /* the places 3 run + corner where a column occurs, ascending */
+    double *partial;   /* [run_count][3 corners][3], sums of a run on their way to the columns */
+    double *w;         /* [3][column_count], values on the columns, one coordinate after the other */
+    yci_ldl *g;        /* NULL if t is empty */
+    double *g_work;
+} yci_mixed;
+
+/* ---- products with B and B': everything else is made of these two ---- */
+
+typedef struct {
+    const yci_mixed *m;
+    const double *in, *scale;
+    double *out;
+    double sign;
+} yci_mixed_pass;
+
+static void yci_mixed_corners(const yci_mixed *m, int run, double w[9]) {
+    int a, k;
+    for (a = 0; a < 3; a++)
+        for (k = 0; k < 3; k++) w[3 * a + k] = m->w[k * m->column_count + m->corner[run][a]];
+}
+
+static void yci_mixed_spread_body(void *arg, int begin, int end) {
+    const yci_mixed_pass *s = (const yci_mixed_pass *)arg;
+    const yci_mixed *m = s->m;
+    int run, i, k;
+    for (run = begin; run < end; run++) {
+        double w[9];
+        yci_mixed_corners(m, run, w);
+        for (i = m->run[run]; i < m->run[run + 1]; i++) {
+            const double *b = m->beta[i];
+            double f = s->scale ? s->scale[i] : 1.0;
+            for (k = 0; k < 3; k++) {
+                double sum = s->sign * (b[0] * w[k] + b[1] * w[3 + k] + b[2] * w[6 + k]);
+                s->out[3 * i + k] = f * (s->in ? s->in[3 * i + k] + sum : sum);
+            }
+        }
+    }
+}
+
+/* out = scale (in + sign B w), node by node; in NULL: 0, scale NULL: 1; out may be in. */
+static void yci_mixed_spread(yci_mixed *m, const double *in, double sign, const double *scale, double *out) {
+    yci_mixed_pass s;
+    s.m = m, s.in = in, s.scale = scale, s.out = out, s.sign = sign;
+    yci_parallel(m->c, m->run_count, YCI_MIXED_GRAIN, yci_mixed_spread_body, &s);
+}
+
+static void yci_mixed_partial_body(void *arg, int begin, int end) {
+    const yci_mixed_pass *s = (const yci_mixed_pass *)arg;
+    const yci_mixed *m = s->m;
+    int run, i, k;
+    for (run = begin; run < end; run++) {
+        double w[9], sum[9] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+        if (s->sign != 0.0) yci_mixed_corners(m, run, w);
+        for (i = m->run[run]; i < m->run[run + 1]; i++) {
+            const double *b = m->beta[i];
+            double f = s->scale ? s->scale[i] : 1.0;
+            for (k = 0; k < 3; k++) {
+                double x = s->in[3 * i + k];
+                if (s->sign != 0.0) x += s->sign * (b[0] * w[k] + b[1] * w[3 + k] + b[2] * w[6 + k]);
+                x *= f;
+                sum[k] += b[0] * x, sum[3 + k] += b[1] * x, sum[6 + k] += b[2] * x;
+            }
+        }
+        memcpy(s->out + 9 * (size_t)run, sum, sizeof sum);
+    }
+}
+
+static void yci_mixed_collect_body(void *arg, int begin, int end) {
+    const yci_mixed *m = (const yci_mixed *)arg;
+    int column, e, k;
+    for (column = begin; column < end; column++) {
+        double sum[3] = {0.0, 0.0, 0.0};
+        for (e = m->share_ptr[column]; e < m->share_ptr[column + 1]; e++)
+            yci_add(sum, sum, m->partial + 3 * (size_t)m->share[e]);
+        for (k = 0; k < 3; k++) m->w[k * m->column_count + column] = sum[k];
+    }
+}
+
+/* w = B' (scale (in + sign B w)); sign 0 leaves the old w out. */
+static void yci_mixed_collect(yci_mixed *m, const double *in, double sign, const double *scale) {
+    yci_mixed_pass s;
+    s.m = m, s.in = in, s.scale = scale, s.out = m->partial, s.sign = sign;
+    yci_parallel(m->c, m->run_count, YCI_MIXED_GRAIN, yci_mixed_partial_body, &s);
+    yci_parallel(m->c, m->column_count, YCI_MIXED_GRAIN, yci_mixed_collect_body, m);
+}
+
+/* w = v on the columns [begin, end), 0 elsewhere. */
+static void yci_mixed_load(yci_mixed *m, const double *v, int begin, int end) {
+    int i, k;
+    for (i = 0; i < m->column_count; i++)
+        for (k = 0; k < 3; k++) m->w[k * m->column_count + i] = i >= begin && i < end ? v[3 * m->vertex[i] + k] : 0.0;
+}
+
+/* w = G^-1 w on t, 0 elsewhere. */
+static void yci_mixed_fit(yci_mixed *m) {
+    int i, k;
+    for (k = 0; k < 3; k++)
+        for (i = m->t_count; i < m->column_count; i++) m->w[k * m->column_count + i] = 0.0;
+    if (m->g) yci_ldl_solve(m->g, m->w, 3, m->column_count, m->g_work);
+}
+
+/* p = B v. */
+static void yci_mixed_embed(yci_mixed *m, const double *v, double *p) {
+    yci_mixed_load(m, v, 0, m->column_count);
+    yci_mixed_spread(m, NULL, 1.0, NULL, p);
+}
+
+/* v += B' p, known vertices included: on these it is what the yarns pull with. */
+static void yci_mixed_gather(yci_mixed *m, const double *p, double *v) {
+    int i, k;
+    yci_mixed_collect(m, p, 0.0, NULL);
+    for (i = 0; i < m->column_count; i++)
+        for (k = 0; k < 3; k++) v[3 * m->vertex[i] + k] += m->w[k * m->column_count + i];
+}
+
+/* x = F x. */
+static void yci_mixed_filter(yci_mixed *m, double *x) {
+    if (!m->g) return;
+    yci_mixed_collect(m, x, 0.0, NULL);
+    yci_mixed_fit(m);
+    yci_mixed_spread(m, x, -1.0, NULL, x);
+}
+
+/* v_t = G^-1 B_t' (p - B_rest v_rest): the vertices of t that fit the yarns best, the others given in v. */
+static void yci_mixed_project(yci_mixed *m, const double *p, double *v) {
+    int i, k;
+    if (!m->g) return;
+    yci_mixed_load(m, v, m->t_count, m->column_count);
+    yci_mixed_collect(m, p, m->t_count < m->column_count ? -1.0 : 0.0, NULL);
+    yci_mixed_fit(m);
+    for (i = 0; i < m->t_count; i++)
+        for (k = 0; k < 3; k++) v[3 * m->vertex[i] + k] = m->w[k * m->column_count + i];
+}
+
+/* T in place: p becomes the filtered x, v on t becomes the fit; what v held on t does not matter. */
+static void yci_mixed_split(yci_mixed *m, double *p, double *v) {
+    yci_mixed_project(m, p, v);
+    yci_mixed_load(m, v, 0, m->column_count);
+    yci_mixed_spread(m, p, -1.0, NULL, p);
+}
+
+/* T' in place: x becomes p = F x + B_t G^-1 v_t; v_rest -= B_rest' p; v_t = 0. */
+static void yci_mixed_split_transposed(yci_mixed *m, double *x, double *v) {
+    int i, k;
+    yci_mixed_collect(m, x, 0.0, NULL);
+    for (i = 0; i < m->t_count; i++)
+        for (k = 0; k < 3; k++) m->w[k * m->column_count + i] -= v[3 * m->vertex[i] + k], v[3 * m->vertex[i] + k] = 0.0;
+    yci_mixed_fit(m);
+    yci_mixed_spread(m, x, -1.0, NULL, x);
+    if (m->t_count == m->column_count) return;
+    yci_mixed_collect(m, x, 0.0, NULL);
+    for (i = m->t_count; i < m->column_count; i++)
+        for (k = 0; k < 3; k++) v[3 * m->vertex[i] + k] -= m->w[k * m->column_count + i];
+}
+
+/* v += diagonal of B' Mp B, scalars: one mass per hybrid node, one number per vertex. */
+static void yci_mixed_mass_diagonal(const yci_mixed *m, const double *mp, double *v) {
+    int run, i, a;
+    for (run = 0; run < m->run_count; run++)
+        for (i = m->run[run]; i < m->run[run + 1]; i++)
+            for (a = 0; a < 3; a++) v[m->vertex[m->corner[run][a]]] += mp[i] * m->beta[i][a] * m->beta[i][a];
+}
+
+/* (out_v, out_x) = S M S (v, x), filtered mass (MIX 6); mv per vertex, mp per node. out_v may be v, out_x may be x. */
+YC_FN void yci_mixed_mass_multiply(
+    yci_mixed *m, const double *mv, const double *mp, const double *v, const double *x, double *out_v, double *out_x) {
+    int i, k;
+    if (out_x != x) memcpy(out_x, x, (size_t)m->hybrid_count * 3 * sizeof *x);
+    yci_mixed_filter(m, out_x);
+    yci_mixed_load(m, v, 0, m->free_count);
+    yci_mixed_spread(m, out_x, 1.0, mp, out_x);
+    yci_mixed_collect(m, out_x, 0.0, NULL);
+    for (i = 0; i < m->vertex_count; i++)
+        for (k = 0; k < 3; k++) out_v[3 * i + k] = m->is_free[i] ? mv[i] * v[3 * i + k] : 0.0;
+    for (i = 0; i < m->free_count; i++)
+        for (k = 0; k < 3; k++) out_v[3 * m->vertex[i] + k] += m->w[k * m->column_count + i];
+    yci_mixed_filter(m, out_x);
+}
+
+/* The 3x3 sums of beta beta' over the nodes of a run, weighted if `scale` is given. */
+static void yci_mixed_run_gram(const yci_mixed *m, int run, const double *scale, double sum[9]) {
+    int i, a, b;
+    memset(sum, 0, 9 * sizeof *sum);
+    for (i = m->run[run]; i < m->run[run + 1]; i++)
+        for (a = 0; a < 3; a++) {
+            double f = scale ? scale[i] * m->beta[i][a] : m->beta[i][a];
+            for (b = 0; b < 3; b++) sum[3 * a + b] += f * m->beta[i][b];
+        }
+}
+
+/* A matrix with a block per column [0, n), dim[i] wide, and a block for each two of them that share a node; two columns
+ * from `lonely` on are not coupled. */
+static yc_result yci_mixed_pattern(const yci_mixed *m, int n, int lonely, const int *dim, yci_bsr *out) {
+    int(*pair)[2] = (int(*)[2])yci_alloc(m->c, (size_t)m->run_count * 3, sizeof *pair);
+    size_t count = 0;
+    int run, a;
+    yc_result result;
+    if (!pair) return yci_out_of_memory(m->c, "the pairs of hybrid vertices");
+    for (run = 0; run < m->run_count; run++)
+        for (a = 0; a < 3; a++) {
+            int i = m->corner[run][a], j = m->corner[run][(a + 1) % 3];
+            if (i >= n || j >= n || (i >= lonely && j >= lonely)) continue;
+            pair[count][0] = i, pair[count][1] = j, count++;
+        }
+    result = yci_bsr_create(m->c, n, dim, (const int(*)[2])pair, count, out);
+    yci_free(m->c, pair);
+    return result;
+}
+
+/* ---- creation ---- */
+
+static int yci_mixed_compare(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* in_t[v] = 1 for the free vertices whose diagonal of B'B (zero where no node is) is not far below the median. */
+static void yci_mixed_cover(const yci_mixed *m, const double *diagonal, double *sorted, unsigned char *in_t) {
+    int v, count = 0;
+    for (v = 0; v < m->vertex_count; v++)
+        if (m->is_free[v] && diagonal[v] > 0.0) sorted[count++] = diagonal[v];
+    if (!count) return;
+    qsort(sorted, (size_t)count, sizeof *sorted, yci_mixed_compare);
+    for (v = 0; v < m->vertex_count; v++)
+        in_t[v] = m->is_free[v] && diagonal[v] > 0.0 && diagonal[v] >= YCI_MIXED_COVER * sorted[count / 2];
+}
+
+/* Numbers the columns. column[v] is -1 where a vertex has none, and otherwise its number. */
+static void yci_mixed_number(yci_mixed *m, const unsigned char *in_t, int *column) {
+    int part, v, n = 0;
+    for (part = 0; part < 3; part++) {
+        for (v = 0; v < m->vertex_count; v++)
+            if (column[v] >= 0 && part == (in_t[v] ? 0 : m->is_free[v] ? 1 : 2)) m->vertex[n] = v, column[v] = n++;
+        if (part == 0) m->t_count = n;
+        if (part == 1) m->free_count = n;
+    }
+}
+
+/* Lists, for every column, the places where runs have it. */
+static void yci_mixed_shares(yci_mixed *m) {
+    int e, *next = m->share_ptr + 1; /* next[i] runs from the start of i's places to their end, the start of i + 1's */
+    memset(m->share_ptr, 0, (size_t)(m->column_count + 2) * sizeof *m->share_ptr);
+    for (e = 0; e < 3 * m->run_count; e++) m->share_ptr[m->corner[e / 3][e % 3] + 2]++;
+    for (e = 0; e < m->column_count; e++) next[e + 1] += next[e];
+    for (e = 0; e < 3 * m->run_count; e++) m->share[next[m->corner[e / 3][e % 3]]++] = e;
+}
+
+/* The column at which a matrix turns out not positive definite, or -1. */
+static int yci_mixed_indefinite(yci_ldl *g, const yci_bsr *matrix) {
+    int s, bad = -1;
+    for (s = 0; s < g->supers && bad < 0; s++) bad = yci_ldl_super_factor(g, g->super + s, matrix->val, matrix->at, 1);
+    return bad < 0 ? -1 : g->node[bad];
+}
+
+/* Takes columns that depend on the others out of t: in_t becomes 0. Tried is D^-1/2 G D^-1/2 - YCI_MIXED_RANK I, D the
+ * diagonal of G; the column at which it is not positive definite goes, and the rest is tried again. Returns how many
+ * went. `scaled` is work of G's pattern. */
+static int yci_mixed_independent(
+    yci_mixed *m, const yci_bsr *gram, double *scaled, const double *diagonal, unsigned char *in_t) {
+    yci_bsr matrix = *gram;
+    int i, e, bad, gone = 0;
+    matrix.val = scaled;
+    for (;;) {
+        for (i = 0; i < m->t_count; i++)
+            for (e = gram->ptr[i]; e < gram->ptr[i + 1]; e++) {
+                int v = m->vertex[i], u = m->vertex[gram->col[e]];
+                if (u == v) scaled[e] = 1.0 - YCI_MIXED_RANK;
+                else scaled[e] = in_t[v] && in_t[u] ? gram->val[e] / sqrt(diagonal[v] * diagonal[u]) : 0.0;
+            }
+        bad = yci_mixed_indefinite(m->g, &matrix);
+        if (bad < 0) return gone;
+        in_t[m->vertex[bad]] = 0, gone++;
+    }
+}
+
+/* Factors G, or, when columns of t depend on the others, takes them out of in_t and sets *gone. */
+static yc_result yci_mixed_factor(yci_mixed *m, const double *diagonal, unsigned char *in_t, int *gone) {
+    int *dim = YCI_NEW(m->c, int, m->t_count), i, run, e;
+    double *scaled = NULL;
+    yci_bsr gram;
+    yc_result result;
+    memset(&gram, 0, sizeof gram);
+    if (!dim) return yci_out_of_memory(m->c, "the kinematic filter");
+    for (i = 0; i < m->t_count; i++) dim[i] = 1;
+    result = yci_mixed_pattern(m, m->t_count, m->t_count, dim, &gram);
+    if (result == YC_OK) result = yci_ldl_analyze(m->c, m->t_count, dim, gram.ptr, gram.col, NULL, &m->g);
+    if (result == YC_OK && !(scaled = YCI_NEW(m->c, double, gram.ptr[m->t_count])))
+        result = yci_out_of_memory(m->c, "the kinematic filter");
+    for (run = 0; result == YC_OK && run < m->run_count; run++) {
+        double sum[9];
+        yci_mixed_run_gram(m, run, NULL, sum);
+        for (e = 0; e < 9; e++) {
+            int a = m->corner[run][e / 3], b = m->corner[run][e % 3];
+            if (a < m->t_count && b < m->t_count) gram.val[yci_bsr_find(&gram, a, b)] += sum[e];
+        }
+    }
+    if (result == YC_OK) *gone = yci_mixed_independent(m, &gram, scaled, diagonal, in_t);
+    if (result == YC_OK && !*gone) result = yci_ldl_factor(m->g, gram.val, gram.at, 1);
+    yci_free(m->c, dim), yci_free(m->c, scaled);
+    yci_bsr_destroy(m->c, &gram);
+    return result;
+}
+
+static void yci_mixed_destroy(yci_context *c, yci_mixed *m) {
+    yci_free(c, m->is_free), yci_free(c, m->vertex), yci_free(c, m->run), yci_free(c, m->corner), yci_free(c, m->beta);
+    yci_free(c, m->share_ptr), yci_free(c, m->share), yci_free(c, m->partial), yci_free(c, m->w);
+    yci_free(c, m->g_work);
+    yci_ldl_destroy(m->g);
+    memset(m, 0, sizeof *m);
+}
+
+/* The part of creation that needs temporary arrays per vertex: the columns, the set t, the factor of G. */
+static yc_result yci_mixed_build(
+    yci_mixed *m, const int (*triangle)[3], double *diagonal, double *sorted, int *column, unsigned char *in_t) {
+    int i, a, gone = 1;
+    for (i = 0; i < m->vertex_count; i++) column[i] = -1;
+    for (i = 0; i < m->hybrid_count; i++)
+        for (a = 0; a < 3; a++) {
+            int v = triangle[i][a];
+            diagonal[v] += m->beta[i][a] * m->beta[i][a];
+            if (column[v] < 0) column[v] = m->column_count++;
+        }
+    m->vertex = YCI_NEW(m->c, int, m->column_count);
+    m->share_ptr = YCI_NEW(m->c, int, m->column_count + 2);
+    m->w = YCI_NEW(m->c, double, 3 * (size_t)m->column_count);
+    if (!m->vertex || !m->share_ptr || !m->w) return yci_out_of_memory(m->c, "the hybrid vertices");
+    yci_mixed_cover(m, diagonal, sorted, in_t);
+    while (gone) {
+        yc_result result;
+        yci_mixed_number(m, in_t, column);
+        for (i = 0; i < m->run_count; i++)
+            for (a = 0; a < 3; a++) m->corner[i][a] = column[triangle[m->run[i]][a]];
+        yci_ldl_destroy(m->g);
+        m->g = NULL;
+        if (!m->t_count) break;
+        result = yci_mixed_factor(m, diagonal, in_t, &gone);
+        if (result != YC_OK) return result;
+    }
+    yci_mixed_shares(m);
+    m->g_work = YCI_NEW(m->c, double, m->g ? yci_ldl_work(m->g, 3) : 0);
+    return m->g_work ? YC_OK : yci_out_of_memory(m->c, "the kinematic filter");
+}
+
+/* vertex_state: 1 free, else its motion is known. Pinned yarn nodes must not be among the hybrid_count nodes: then the
+ * filter and their pins commute. Everything is copied. On failure *out is empty, as it is after destroy. */
+static yc_result yci_mixed_create(yci_context *c, int vertex_count, const unsigned char *vertex_state, int hybrid_count,
+    const int (*triangle)[3], const double (*beta)[3], yci_mixed *out) {
+    yci_mixed *m = out;
+    double *diagonal = YCI_NEW(c, double, vertex_count), *sorted = YCI_NEW(c, double, vertex_count);
+    int *column = YCI_NEW(c, int, vertex_count), i;
+    unsigned char *in_t = YCI_NEW(c, unsigned char, vertex_count);
+    yc_result result = YC_OK;
+    memset(m, 0, sizeof *m);
+    m->c = c, m->vertex_count = vertex_count, m->hybrid_count = hybrid_count;
+    for (i = 0; i < hybrid_count; i++)
+        m->run_count += !i || memcmp(triangle[i], triangle[i - 1], sizeof *triangle) != 0;
+    m->is_free = YCI_NEW(c, unsigned char, vertex_count);
+    m->run = YCI_NEW(c, int, m->run_count + 1);
+    m->corner = (int(*)[3])yci_alloc(c, (size_t)m->run_count, sizeof *m->corner);
+    m->beta = (double(*)[3])yci_alloc(c, (size_t)hybrid_count, sizeof *m->beta);
+    m->share = YCI_NEW(c, int, 3 * (size_t)m->run_count);
+    m->partial = YCI_NEW(c, double, 9 * (size_t)m->run_count);
+    if (diagonal && sorted && column && in_t && m->is_free && m->run && m->corner && m->beta && m->share &&
+        m->partial) {
+        int run = 0;
+        for (i = 0; i < vertex_count; i++) m->is_free[i] = vertex_state[i] == 1;
+        for (i = 0; i < hybrid_count; i++)
+            if (!i || memcmp(triangle[i], triangle[i - 1], sizeof *triangle) != 0) m->run[run++] = i;
+        m->run[run] = hybrid_count;
+        if (hybrid_count) memcpy(m->beta, beta, (size_t)hybrid_count * sizeof *beta);
+        result = yci_mixed_build(m, triangle, diagonal, sorted, column, in_t);
+    } else {
+        result = yci_out_of_memory(c, "the embedding of the yarns");
+    }
+    yci_free(c, diagonal), yci_free(c, sorted), yci_free(c, column), yci_free(c, in_t);
+    if (result != YC_OK) yci_mixed_destroy(c, m);
+    return result;
+}
+
+/* ---- the masses that both preconditioners start from ---- */
+
+typedef struct {
+    yci_mixed *m;
+    double *mv;         /* [vertex_count] */
+    double *inverse_mp; /* [hybrid_count] */
+} yci_mass;
+
+static yc_result yci_mass_init(yci_mass *s, yci_mixed *m) {
+    s->m = m;
+    s->mv = YCI_NEW(m->c, double, m->vertex_count);
+    s->inverse_mp = YCI_NEW(m->c, double, m->hybrid_count);
+    return s->mv && s->inverse_mp ? YC_OK : yci_out_of_memory(m->c, "masses");
+}
+
+/* Takes the masses divided by `unit`. A free vertex outside t must have mass, and so must every hybrid node. */
+static yc_result yci_mass_take(yci_mass *s, const double *mv, const double *mp, double unit) {
+    const yci_mixed *m = s->m;
+    int i;
+    memcpy(s->mv, mv, (size_t)m->vertex_count * sizeof *mv);
+    for (i = 0; i < m->t_count; i++) s->mv[m->vertex[i]] = 1.0;
+    for (i = 0; i < m->vertex_count; i++)
+        if (m->is_free[i] && !(s->mv[i] > 0.0))
+            return yci_fail(
+                m->c, YC_ERROR_SINGULAR, "vertex %d is free, not carried by yarns, and has mass %g", i, mv[i]);
+    for (i = 0; i < m->hybrid_count; i++)
+        if (!(mp[i] > 0.0)) return yci_fail(m->c, YC_ERROR_SINGULAR, "hybrid yarn node %d has mass %g", i, mp[i]);
+    for (i = 0; i < m->vertex_count; i++) s->mv[i] = mv[i] / unit;
+    for (i = 0; i < m->hybrid_count; i++) s->inverse_mp[i] = unit / mp[i];
+    return YC_OK;
+}
+
+/* z = r / Mv on free vertices, 0 on known ones; those of B are then overwritten. */
+static void yci_mass_untouched(const yci_mass *s, const double *r, double *z) {
+    const yci_mixed *m = s->m;
+    int i, k;
+    for (i = 0; i < m->vertex_count; i++)
+        for (k = 0; k < 3; k++) z[3 * i + k] = m->is_free[i] && s->mv[i] > 0.0 ? r[3 * i + k] / s->mv[i] : 0.0;
+}
+
+static void yci_mass_free(yci_context *c, yci_mass *s) { yci_free(c, s->mv), yci_free(c, s->inverse_mp); }
+
+/* ---- P^-1 by the sparse quasi-definite system ---- */
+
+typedef struct yci_mass_p {
+    yci_mass mass;
+    yci_bsr a;    /* a block per free column: (k, z) on t, z alone outside */
+    int *target;  /* [run_count][9]: the block of A that a pair of corners adds to, or -1 */
+    yci_ldl *ldl; /* NULL without hybrid nodes */
+    double *x;    /* [3][order of A] */
+    double *work;
+} yci_mass_p;
+
+static void yci_mass_destroy(yci_context *c, yci_mass_p *p) {
+    yci_mass_free(c, &p->mass);
+    yci_free(c, p->target), yci_free(c, p->x), yci_free(c, p->work);
+    yci_bsr_destroy(c, &p->a);
+    yci_ldl_destroy(p->ldl);
+    memset(p, 0, sizeof *p);
+}
+
+static yc_result yci_mass_build(yci_mass_p *p, int *dim) {
+    yci_mixed *m = p->mass.m;
+    int i, a, b;
+    yc_result result;
+    if (!dim || !p->target) return yci_out_of_memory(m->c, "the mass preconditioner");
+    for (i = 0; i < m->free_count; i++) dim[i] = i < m->t_count ? 2 : 1;
+    result = yci_mixed_pattern(m, m->free_count, m->t_count, dim, &p->a);
+    if (result != YC_OK || !m->free_count) return result;
+    for (i = 0; i < m->run_count; i++)
+        for (a = 0; a < 3; a++)
+            for (b = 0; b < 3; b++) {
+                int u = m->corner[i][a], v = m->corner[i][b];
+                int coupled = u < m->free_count && v < m->free_count && (u < m->t_count || v < m->t_count);
+                p->target[9 * i + 3 * a + b] = coupled ? yci_bsr_find(&p->a, u, v) : -1;
+            }
+    p->x = YCI_NEW(m->c, double, 3 * (size_t)p->a.off[p->a.n]);
+    if (!p->x) return yci_out_of_memory(m->c, "the mass preconditioner");
+    result = yci_ldl_analyze(m->c, p->a.n, dim, p->a.ptr, p->a.col, NULL, &p->ldl);
+    if (result != YC_OK) return result;
+    p->work = YCI_NEW(m->c, double, yci_ldl_work(p->ldl, 3));
+    return p->work ? YC_OK : yci_out_of_memory(m->c, "the mass preconditioner");
+}
+
+/* m must stay where it is while *out lives. */
+static yc_result yci_mass_create(yci_context *c, yci_mixed *m, yci_mass_p *out) {
+    int *dim = YCI_NEW(c, int, m->free_count);
+    yc_result result;
+    memset(out, 0, sizeof *out);
+    out->target = YCI_NEW(c, int, 9 * (size_t)m->run_count);
+    result = yci_mass_init(&out->mass, m);
+    if (result == YC_OK) result = yci_mass_build(out, dim);
+    yci_free(c, dim);
+    if (result != YC_OK) yci_mass_destroy(c, out);
+    return result;
+}
+
+/* Masses mv >= 0 per vertex (a pinned one's does not matter) and mp > 0 per hybrid node. After a failure nothing may be
+ * applied until another factor succeeds. */
+static yc_result yci_mass_factor(yci_mass_p *p, const double *mv, const double *mp) {
+    yci_mixed *m = p->mass.m;
+    yci_bsr *a = &p->a;
+    int run, i, e;
+    yc_result result = yci_mass_take(&p->mass, mv, mp, 1.0);
+    if (result != YC_OK || !p->ldl) return result;
+    yci_bsr_zero(a);
+    for (run = 0; run < m->run_count; run++) {
+        double h[9], k[9];
+        yci_mixed_run_gram(m, run, NULL, h);
+        yci_mixed_run_gram(m, run, p->mass.inverse_mp, k);
+        for (e = 0; e < 9; e++) {
+            int block = p->target[9 * run + e];
+            double *value;
+            if (block < 0) continue;
+            value = a->val + a->at[block];
+            if (m->corner[run][e / 3] < m->t_count && m->corner[run][e % 3] < m->t_count)
+                value[0] -= k[e], value[1] += h[e], value[2] += h[e];
+            else value[0] += h[e]; /* (k, z) against z alone: H in the row or column of k, the other entry is 0 */
+        }
+    }
+    for (i = 0; i < m->free_count; i++)
+        a->val[a->at[a->diag[i]] + (i < m->t_count ? 3 : 0)] += p->mass.mv[m->vertex[i]];
+    return yci_ldl_factor(p->ldl, a->val, a->at, 0);
+}
+
+/* (z_v, z_x) = P^-1 (r_v, r_x); z_v may be r_v, z_x may be r_x. r_x need not be filtered, z_x is. */
+static void yci_mass_apply(yci_mass_p *p, const double *r_v, const double *r_x, double *z_v, double *z_x) {
+    yci_mixed *m = p->mass.m;
+    const int *off = p->a.off;
+    int size = off[p->a.n], n = m->column_count, i, k;
+    yci_mixed_collect(m, r_x, 0.0, NULL);
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < m->free_count; i++)
+            p->x[k * size + off[i + 1] - 1] = r_v[3 * m->vertex[i] + k] - m->w[k * n + i];
+    yci_mass_untouched(&p->mass, r_v, z_v);
+    yci_mixed_collect(m, r_x, 0.0, p->mass.inverse_mp);
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < m->t_count; i++) p->x[k * size + off[i]] = m->w[k * n + i];
+    if (p->ldl) yci_ldl_solve(p->ldl, p->x, 3, size, p->work);
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < n; i++) m->w[k * n + i] = i < m->t_count ? p->x[k * size + off[i]] : 0.0;
+    yci_mixed_spread(m, r_x, 1.0, p->mass.inverse_mp, z_x);
+    for (i = 0; i < m->free_count; i++)
+        for (k = 0; k < 3; k++) z_v[3 * m->vertex[i] + k] = p->x[k * size + off[i + 1] - 1];
+    yci_mixed_load(m, z_v, 0, m->free_count);
+    yci_mixed_spread(m, z_x, -1.0, NULL, z_x);
+}
+
+/* ---- P^-1 in the paper's form, for comparison ---- */
+
+/* In units of the mean node mass, f = free_count columns B_f = (B_t, B_b), U = B_f' Mp B_f and M0 = diag(W, Mp):
+ *
+ *     P = M0 + U_P A_P V_P,   U_P = [0 0 1; B_t Mp B_f 0],   A_P = diag(G^-1, [0 1; 1 0]),
+ *     V_P = [-U_t, B_t'(1 - Mp); 0, B_f' Mp; 1, 0],   W = Mv + U,   U_t the first t_count rows of U       (MIX 13-15)
+ *     P^-1 = M0^-1 - M0^-1 U_P C^-1 V_P M0^-1,   C = A_P^-1 + V_P M0^-1 U_P,
+ *
+ *         [ K   H' - U_t   -U_t W^-1 ]
+ *     C = [ H      U            1    ]        of order t_count + 2 free_count.
+ *         [ 0      1          W^-1   ]
+ */
+typedef struct yci_mass_dense {
+    yci_mass mass;
+    double unit;  /* mean node mass */
+    yci_bsr a;    /* W */
+    yci_ldl *ldl; /* NULL without hybrid nodes */
+    yc_lu *lu;
+    double *small; /* C by rows; U is read from it later */
+    double *x;     /* [3][order of C] */
+    double *work;
+} yci_mass_dense;
+
+static void yci_mass_dense_destroy(yci_context *c, yci_mass_dense *p) {
+    yci_mass_free(c, &p->mass);
+    yci_bsr_destroy(c, &p->a);
+    yci_ldl_destroy(p->ldl);
+    yc_lu_destroy(p->lu);
+    yci_free(c, p->small), yci_free(c, p->x), yci_free(c, p->work);
+    memset(p, 0, sizeof *p);
+}
+
+static yc_result yci_mass_dense_build(yci_mass_dense *p, int *dim) {
+    yci_mixed *m = p->mass.m;
+    int i, n = m->t_count + 2 * m->free_count;
+    yc_result result;
+    p->x = YCI_NEW(m->c, double, 3 * (size_t)n);
+    if (!dim || !p->x) return yci_out_of_memory(m->c, "the dense mass preconditioner");
+    for (i = 0; i < m->free_count; i++) dim[i] = 1;
+    result = yci_mixed_pattern(m, m->free_count, m->free_count, dim, &p->a);
+    if (result != YC_OK || !m->free_count) return result;
+    result = yci_ldl_analyze(m->c, p->a.n, dim, p->a.ptr, p->a.col, NULL, &p->ldl);
+    if (result != YC_OK) return result;
+    result = yc_lu_create(&m->c->host, n, &p->lu);
+    if (result != YC_OK) return yci_fail(m->c, result, "no memory for a dense matrix of order %d", n);
+    p->small = (double *)yci_alloc(m->c, (size_t)n, (size_t)n * sizeof(double));
+    p->work = YCI_NEW(m->c, double, yci_ldl_work(p->ldl, m->free_count));
+    return p->small && p->work ? YC_OK : yci_out_of_memory(m->c, "the dense mass preconditioner");
+}
+
+/* m must stay where it is while *out lives. */
+static yc_result yci_mass_dense_create(yci_context *c, yci_mixed *m, yci_mass_dense *out) {
+    int *dim = YCI_NEW(c, int, m->free_count);
+    yc_result result;
+    memset(out, 0, sizeof *out);
+    result = yci_mass_init(&out->mass, m);
+    if (result == YC_OK) result = yci_mass_dense_build(out, dim);
+    yci_free(c, dim);
+    if (result != YC_OK) yci_mass_dense_destroy(c, out);
+    return result;
+}
+
+static yc_result yci_mass_dense_factor(yci_mass_dense *p, const double *mv, const double *mp) {
+    yci_mixed *m = p->mass.m;
+    int t = m->t_count, f = m->free_count, run, i, j, e;
+    size_t n = (size_t)(t + 2 * f);
+    double *c = p->small, unit = 0.0;
+    yc_result result;
+    for (i = 0; i < m->hybrid_count; i++) unit += mp[i] / m->hybrid_count;
+    p->unit = unit > 0.0 ? unit : 1.0;
+    result = yci_mass_take(&p->mass, mv, mp, p->unit);
+    if (result != YC_OK || !p->ldl) return result;
+    memset(c, 0, n * n * sizeof *c);
+    yci_bsr_zero(&p->a);
+    for (run = 0; run < m->run_count; run++) {
+        double h[9], k[9], u[9];
+        yci_mixed_run_gram(m, run, NULL, h);
+        yci_mixed_run_gram(m, run, p->mass.inverse_mp, k);
+        yci_mixed_run_gram(m, run, mp, u);
+        for (e = 0; e < 9; e++) {
+            size_t row = (size_t)m->corner[run][e / 3], column = (size_t)m->corner[run][e % 3];
+            if (row >= (size_t)f || column >= (size_t)f) continue;
+            u[e] /= p->unit;
+            p->a.val[p->a.at[yci_bsr_find(&p->a, (int)row, (int)column)]] += u[e];
+            c[((size_t)t + row) * n + (size_t)t + column] += u[e];
+            if (column < (size_t)t) c[((size_t)t + row) * n + column] += h[e];
+            if (row >= (size_t)t) continue;
+            if (column < (size_t)t) c[row * n + column] += k[e];
+            c[row * n + (size_t)t + column] += h[e] - u[e];
+            c[row * n + (size_t)(t + f) + column] -= u[e];
+        }
+    }
+    for (i = 0; i < f; i++) {
+        p->a.val[p->a.at[p->a.diag[i]]] += p->mass.mv[m->vertex[i]];
+        for (j = 0; j < 2; j++) c[(size_t)(t + f * j + i) * n + (size_t)(t + f * (1 - j) + i)] = 1.0;
+        c[(size_t)(t + f + i) * n + (size_t)(t + f + i)] = 1.0; /* becomes W^-1, as -U_t becomes -U_t W^-1 */
+    }
+    result = yci_ldl_factor(p->ldl, p->a.val, p->a.at, 1);
+    if (result != YC_OK) return result;
+    if (t) yci_ldl_solve(p->ldl, c + t + f, t, (int)n, p->work);
+    yci_ldl_solve(p->ldl, c + (size_t)(t + f) * n + (size_t)(t + f), f, (int)n, p->work);
+    result = yc_lu_factor(p->lu, c, (int)n);
+    return result == YC_OK ? YC_OK : yci_fail(m->c, result, "the dense mass preconditioner: %s", yc_lu_message(p->lu));
+}
+
+/* As yci_mass_apply for a filtered r_x; with an unfiltered one, P^-1 of the whole vector, z_x not filtered then. */
+static void yci_mass_dense_apply(yci_mass_dense *p, const double *r_v, const double *r_x, double *z_v, double *z_x) {
+    yci_mixed *m = p->mass.m;
+    int t = m->t_count, f = m->free_count, n = t + 2 * f, columns = m->column_count, i, j, k;
+    double *y_v = p->x + t + f; /* W^-1 r_v, the last part of V_P M0^-1 r, all of which is put together in x */
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < f; i++) y_v[k * n + i] = r_v[3 * m->vertex[i] + k];
+    if (p->ldl) yci_ldl_solve(p->ldl, y_v, 3, n, p->work);
+    yci_mixed_collect(m, r_x, 0.0, p->mass.inverse_mp);
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < t; i++) p->x[k * n + i] = m->w[k * columns + i];
+    yci_mixed_collect(m, r_x, 0.0, NULL);
+    for (k = 0; k < 3; k++) {
+        for (i = 0; i < f; i++) p->x[k * n + t + i] = m->w[k * columns + i];
+        for (i = 0; i < t; i++) {
+            const double *u = p->small + (size_t)(t + i) * (size_t)n + t;
+            p->x[k * n + i] -= m->w[k * columns + i];
+            for (j = 0; j < f; j++) p->x[k * n + i] -= u[j] * y_v[k * n + j];
+        }
+    }
+    if (p->lu) yc_lu_solve(p->lu, p->x, 3, n);
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < columns; i++) m->w[k * columns + i] = i < t ? p->x[k * n + i] : 0.0;
+    yci_mixed_spread(m, r_x, -1.0, p->mass.inverse_mp, z_x);
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < columns; i++) m->w[k * columns + i] = i < f ? p->x[k * n + t + i] : 0.0;
+    yci_mixed_spread(m, z_x, -1.0, NULL, z_x);
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < f; i++) y_v[k * n + i] = r_v[3 * m->vertex[i] + k] - y_v[k * n + i];
+    if (p->ldl) yci_ldl_solve(p->ldl, y_v, 3, n, p->work);
+    yci_mass_untouched(&p->mass, r_v, z_v);
+    for (i = 0; i < f; i++)
+        for (k = 0; k < 3; k++) z_v[3 * m->vertex[i] + k] = y_v[k * n + i];
+    for (i = 0; i < 3 * m->vertex_count; i++) z_v[i] /= p->unit;
+    for (i = 0; i < 3 * m->hybrid_count; i++) z_x[i] /= p->unit;
+}
+
+/* =====================================================================================================================
+ * >>solve   (chapter 10)
+ *
+ * One linear system A d = b per Newton iteration. A is the matrix of the scene's nodes, vertices v and yarn nodes p
+ * alike, assembled in blocks of 3 + n unknowns. With hybrid nodes the unknowns are MIX's q = (v, x), p = B v + F x (MIX
+ * 2), so
+ *
+ *     C' A C q = C' b,   C = (v, x, rest) -> (v, p = B v + F x, rest),                                    (MIX 10, 11)
+ *
+ * solved by conjugate gradients on vectors whose x is filtered (MPCG). Vectors in q keep the layout of A's: x_i sits
+ * where p_i does. Without hybrid nodes C is the identity and a direct LDL^T serves.
+ *
+ * Two-level preconditioner. Fine level: independent increments (p, v outside the filter's set) carry the same motion as
+ * q by the map T of chapter mixed, so M1 = T IC(A_pp)^-1 T', IC the incomplete factor of the yarn block in yarn order.
+ * Coarse level: Z has a column triple per mesh vertex: v = 1, x = 0, full yarn nodes by their barycentric weights;
+ * Ac = Z'AZ is factored. Q = Z Ac^-1 Z'. Applied as z = M1 r, z += Q (r - A z), from the start vector Q b; the triangle
+ * region is thereby solved exactly on every iteration. The iteration stops when sqrt(r'z) has fallen to a share of its
+ * start, which measures the error in the energy norm; a raw residual would not.
+ * ===================================================================================================================== */
+
+typedef struct yci_system {
+    yci_context *c;
+    yci_bsr a;
+    double *mass;    /* block diagonal of kinetic blocks, dim x dim at mass_at[node] */
+    size_t *mass_at; /* [n + 1] */
+    /* mixing; hybrid_count 0: none */
+    int vertex_count, hybrid_count;
+    int *vertex_node; /* [vertex_count], system node of a vertex; -1: pinned, or not in the mechanics */
+    int *hybrid_node; /* [hybrid_count], system node */
+    yci_mixed mixed;
+    double *v, *p, *v2, *p2; /* vectors of chapter mixed, 3 per vertex and 3 per hybrid node */
+    /* preconditioners, made when first needed */
+    yc_solver solver;
+    yci_ldl *direct;
+    double *direct_work;
+    yci_ic *ic;
+    /* Coarse columns that move a system node, and by how much; a hybrid node's too: it follows B v, though in q it has no
+     * share of its own. */
+    int *support_ptr, *support_column;
+    double *support_weight;
+    unsigned char *is_hybrid, *is_yarn; /* [n] */
+    double *mass_diagonal;
+    int coarse_count;
+    yci_bsr coarse;
+    int *coarse_target; /* for each block of A on and above the diagonal: blocks of `coarse`, in the loops' order */
+    yci_ldl *coarse_factor;
+    yci_mass_p mass_p;
+    yci_mass_dense mass_dense;
+    double *work, *coarse_x, *coarse_work;
+    double *cg; /* four vectors */
+} yci_system;
+
+static int yci_system_size(const yci_system *s) { return s->a.off[s->a.n]; }
+
+/* ---- between A's layout and chapter mixed's ---- */
+
+static void yci_system_take_vertices(const yci_system *s, const double *q, double *v) {
+    int i;
+    for (i = 0; i < s->vertex_count; i++) {
+        int node = s->vertex_node[i];
+        if (node >= 0) yci_copy(v + 3 * i, q + s->a.off[node]);
+        else v[3 * i] = v[3 * i + 1] = v[3 * i + 2] = 0.0;
+    }
+}
+
+static void yci_system_put_vertices(const yci_system *s, const double *v, double *q) {
+    int i;
+    for (i = 0; i < s->vertex_count; i++)
+        if (s->vertex_node[i] >= 0) yci_copy(q + s->a.off[s->vertex_node[i]], v + 3 * i);
+}
+
+static void yci_system_take_hybrid(const yci_system *s, const double *q, double *p) {
+    int i;
+    for (i = 0; i < s->hybrid_count; i++) yci_copy(p + 3 * i, q + s->a.off[s->hybrid_node[i]]);
+}
+
+static void yci_system_put_hybrid(const yci_system *s, const double *p, double *q) {
+    int i;
+    for (i = 0; i < s->hybrid_count; i++) yci_copy(q + s->a.off[s->hybrid_node[i]], p + 3 * i);
+}
+
+/* y = C q, for filtered x. */
+static void yci_system_expand(yci_system *s, const double *q, double *y) {
+    int i, size = yci_system_size(s);
+    if (y != q) memcpy(y, q, (size_t)size * sizeof *y);
+    if (!s->hybrid_count) return;
+    yci_system_take_vertices(s, q, s->v);
+    yci_system_take_hybrid(s, q, s->p2);
+    yci_mixed_embed(&s->mixed, s->v, s->p);
+    for (i = 0; i < 3 * s->hybrid_count; i++) s->p[i] += s->p2[i];
+    yci_system_put_hybrid(s, s->p, y);
+}
+
+/* r = C' y in place: what the yarns feel goes to the vertices, and, filtered, to x. */
+static void yci_system_reduce(yci_system *s, double *y) {
+    if (!s->hybrid_count) return;
+    yci_system_take_vertices(s, y, s->v);
+    yci_system_take_hybrid(s, y, s->p);
+    yci_mixed_gather(&s->mixed, s->p, s->v);
+    yci_mixed_filter(&s->mixed, s->p);
+    yci_system_put_vertices(s, s->v, y);
+    yci_system_put_hybrid(s, s->p, y);
+}
+
+/* y = C' A C q. */
+static void yci_system_multiply(yci_system *s, const double *q, double *y) {
+    yci_system_expand(s, q, s->work);
+    yci_bsr_multiply(s->c, &s->a, s->work, y);
+    yci_system_reduce(s, y);
+}
+
+/* ---- coarse level ---- */
+
+/* out (coarse) = Z' r: hybrid nodes have no part in it, since Z's columns have x = 0. */
+static void yci_system_restrict(const yci_system *s, const double *r, double *out) {
+    int i, k;
+    memset(out, 0, (size_t)(3 * s->coarse_count) * sizeof *out);
+    for (i = 0; i < s->a.n; i++)
+        if (!s->is_hybrid[i])
+            for (k = s->support_ptr[i]; k < s->support_ptr[i + 1]; k++)
+                yci_axpy(out + 3 * s->support_column[k], s->support_weight[k], r + s->a.off[i]);
+}
+
+/* q += Q r. */
+static void yci_system_coarse_add(yci_system *s, const double *r, double *q) {
+    int i, k;
+    yci_system_restrict(s, r, s->coarse_x);
+    yci_ldl_solve(s->coarse_factor, s->coarse_x, 1, 3 * s->coarse_count, s->coarse_work);
+    for (i = 0; i < s->a.n; i++)
+        if (!s->is_hybrid[i])
+            for (k = s->support_ptr[i]; k < s->support_ptr[i + 1]; k++)
+                yci_axpy(q + s->a.off[i], s->support_weight[k], s->coarse_x + 3 * s->support_column[k]);
+}
+
+/* Visits the blocks of A on and above the diagonal with the pairs of coarse columns that they couple. With `pairs` it
+ * lists the pairs; else it finds the targets in the coarse matrix. Returns their number. */
+static size_t yci_system_coarse_pairs(yci_system *s, int (*pairs)[2]) {
+    size_t count = 0;
+    int i, k, u, w;
+    for (i = 0; i < s->a.n; i++)
+        for (k = s->a.diag[i]; k < s->a.ptr[i + 1]; k++) {
+            int j = s->a.col[k];
+            for (u = s->support_ptr[i]; u < s->support_ptr[i + 1]; u++)
+                for (w = s->support_ptr[j]; w < s->support_ptr[j + 1]; w++, count++) {
+                    int a = s->support_column[u], b = s->support_column[w];
+                    if (pairs) pairs[count][0] = a, pairs[count][1] = b;
+                    else if (s->coarse_target) {
+                        s->coarse_target[2 * count] = yci_bsr_find(&s->coarse, a, b);
+                        s->coarse_target[2 * count + 1] = yci_bsr_find(&s->coarse, b, a);
+                    }
+                }
+        }
+    return count;
+}
+
+/* Ac = Z'AZ from the 3x3 position parts of A's blocks; sliding coordinates stay local. A column with next to no
+ * stiffness of its own (yarns missing under it) is held by a trace of its neighbours' diagonal. */
+static void yci_system_coarse_assemble(yci_system *s) {
+    size_t count = 0;
+    double trace = 0.0;
+    int i, k, u, w, r, t;
+    yci_bsr_zero(&s->coarse);
+    for (i = 0; i < s->a.n; i++)
+        for (k = s->a.diag[i]; k < s->a.ptr[i + 1]; k++) {
+            int j = s->a.col[k], stride = s->a.dim[j];
+            const double *block = s->a.val + s->a.at[k];
+            for (u = s->support_ptr[i]; u < s->support_ptr[i + 1]; u++)
+                for (w = s->support_ptr[j]; w < s->support_ptr[j + 1]; w++, count++) {
+                    double f = s->support_weight[u] * s->support_weight[w];
+                    double *x = s->coarse.val + s->coarse.at[s->coarse_target[2 * count]];
+                    double *y = s->coarse.val + s->coarse.at[s->coarse_target[2 * count + 1]];
+                    for (r = 0; r < 3; r++)
+                        for (t = 0; t < 3; t++) {
+                            x[3 * r + t] += f * block[r * stride + t];
+                            if (i != j) y[3 * t + r] += f * block[r * stride + t];
+                        }
+                }
+        }
+    for (i = 0; i < s->coarse_count; i++)
+        for (r = 0; r < 3; r++) trace += s->coarse.val[s->coarse.at[s->coarse.diag[i]] + (size_t)(4 * r)];
+    for (i = 0; i < s->coarse_count; i++)
+        for (r = 0; r < 3; r++)
+            s->coarse.val[s->coarse.at[s->coarse.diag[i]] + (size_t)(4 * r)] += 1e-10 * trace / (3 * s->coarse_count);
+}
+
+/* ---- preconditioners ---- */
+
+/* Node blocks of the mass, inverted, on the nodes that are neither vertices nor hybrid; the rest of z is untouched. */
+static void yci_system_full_mass(const yci_system *s, const double *r, double *z) {
+    int i;
+    for (i = 0; i < s->a.n; i++) {
+        double inverse[64];
+        const double *m = s->mass + s->mass_at[i];
+        int d = s->a.dim[i], a, b, o = s->a.off[i];
+        if (s->is_hybrid[i] || !s->is_yarn[i]) continue;
+        yci_block_invert_spd(d, m, m, d + 1, inverse);
+        for (a = 0; a < d; a++) {
+            double sum = 0.0;
+            for (b = 0; b < d; b++) sum += inverse[a * d + b] * r[o + b];
+            z[o + a] = sum;
+        }
+    }
+}
+
+static void yci_system_mass_diagonal(yci_system *s, const double *r, double *z) {
+    int i, k;
+    memcpy(z, r, (size_t)yci_system_size(s) * sizeof *z);
+    for (i = 0; i < s->a.n; i++)
+        for (k = 0; k < s->a.dim[i]; k++) z[s->a.off[i] + k] /= s->mass_diagonal[s->a.off[i] + k];
+    if (!s->hybrid_count) return;
+    yci_system_take_hybrid(s, z, s->p);
+    yci_mixed_filter(&s->mixed, s->p);
+    yci_system_put_hybrid(s, s->p, z);
+}
+
+/* z = P^-1 r (MIX 12), by the sparse or by the dense form. */
+static void yci_system_mass(yci_system *s, const double *r, double *z) {
+    yci_system_take_vertices(s, r, s->v);
+    yci_system_take_hybrid(s, r, s->p);
+    if (s->solver == YC_SOLVER_MASS_DENSE) yci_mass_dense_apply(&s->mass_dense, s->v, s->p, s->v2, s->p2);
+    else yci_mass_apply(&s->mass_p, s->v, s->p, s->v2, s->p2);
+    yci_system_put_vertices(s, s->v2, z);
+    yci_system_put_hybrid(s, s->p2, z);
+    yci_system_full_mass(s, r, z);
+}
+
+/* M1: through T' to independent increments, the incomplete factor there, and back. */
+static void yci_system_fine(yci_system *s, const double *r, double *z) {
+    memcpy(z, r, (size_t)yci_system_size(s) * sizeof *z);
+    if (s->hybrid_count) {
+        yci_system_take_vertices(s, r, s->v);
+        yci_system_take_hybrid(s, r, s->p);
+        yci_mixed_split_transposed(&s->mixed, s->p, s->v);
+        yci_system_put_vertices(s, s->v, z);
+        yci_system_put_hybrid(s, s->p, z);
+    }
+    yci_ic_solve(s->ic, z);
+    if (s->hybrid_count) {
+        yci_system_take_vertices(s, z, s->v);
+        yci_system_take_hybrid(s, z, s->p);
+        yci_mixed_split(&s->mixed, s->p, s->v);
+        yci_system_put_vertices(s, s->v, z);
+        yci_system_put_hybrid(s, s->p, z);
+    }
+}
+
+static void yci_system_two_level(yci_system *s, const double *r, double *z, double *rest) {
+    int i, size = yci_system_size(s);
+    yci_system_fine(s, r, z);
+    yci_system_multiply(s, z, rest);
+    for (i = 0; i < size; i++) rest[i] = r[i] - rest[i];
+    yci_system_coarse_add(s, rest, z);
+}
+
+static void yci_system_precondition(yci_system *s, const double *r, double *z, double *rest) {
+    switch (s->solver) {
+    case YC_SOLVER_TWO_LEVEL: yci_system_two_level(s, r, z, rest); break;
+    case YC_SOLVER_MASS:
+    case YC_SOLVER_MASS_DENSE: yci_system_mass(s, r, z); break;
+    case YC_SOLVER_MASS_DIAGONAL: yci_system_mass_diagonal(s, r, z); break;
+    default: memcpy(z, r, (size_t)yci_system_size(s) * sizeof *z); break;
+    }
+}
+
+static double yci_vector_dot(const double *a, const double *b, int n) {
+    double sum = 0.0;
+    int i;
+    for (i = 0; i < n; i++) sum += a[i] * b[i];
+    return sum;
+}
+
+/* MPCG. b in A's layout is spent; d receives the increment in A's layout (v, p). Returns the iterations. */
+static int yci_system_mpcg(yci_system *s, double *b, double *d, double tolerance, int limit) {
+    int i, iteration, size = yci_system_size(s);
+    double *q = s->cg, *z = q + size, *dir = z + size, *y = dir + size, *r = b, rz, start = 0.0;
+    yci_system_reduce(s, r);
+    memset(q, 0, (size_t)size * sizeof *q);
+    if (s->solver == YC_SOLVER_TWO_LEVEL) {
+        yci_system_coarse_add(s, r, q);
+        start = yci_vector_dot(q, r, size);
+        yci_system_multiply(s, q, y);
+        for (i = 0; i < size; i++) r[i] -= y[i];
+    }
+    yci_system_precondition(s, r, z, y);
+    memcpy(dir, z, (size_t)size * sizeof *dir);
+    rz = yci_vector_dot(r, z, size);
+    start += rz;
+    for (iteration = 0; iteration < limit && rz > tolerance * tolerance * start; iteration++) {
+        double step, next, curvature;
+        yci_system_multiply(s, dir, y);
+        curvature = yci_vector_dot(dir, y, size);
+        if (!(curvature > 0.0)) break;
+        step = rz / curvature;
+        for (i = 0; i < size; i++) q[i] += step * dir[i], r[i] -= step * y[i];
+        yci_system_precondition(s, r, z, y);
+        next = yci_vector_dot(r, z, size);
+        for (i = 0; i < size; i++) dir[i] = z[i] + next / rz * dir[i];
+        rz = next;
+    }
+    yci_system_expand(s, q, d);
+    return iteration;
+}
+
+/* d = A^-1 d by the direct factor. */
+static void yci_system_direct(yci_system *s, double *d) {
+    yci_ldl_solve(s->direct, d, 1, yci_system_size(s), s->direct_work);
+}
+
+/* ---- life of a system ---- */
+
+static void yci_system_destroy(yci_system *s) {
+    yci_context *c = s->c;
+    if (!c) return;
+    yci_bsr_destroy(c, &s->a);
+    yci_free(c, s->mass), yci_free(c, s->mass_at), yci_free(c, s->mass_diagonal);
+    yci_free(c, s->vertex_node), yci_free(c, s->hybrid_node);
+    yci_mixed_destroy(c, &s->mixed);
+    yci_free(c, s->v), yci_free(c, s->is_hybrid), yci_free(c, s->is_yarn);
+    yci_ldl_destroy(s->direct), yci_free(c, s->direct_work), yci_ic_destroy(s->ic), yci_ldl_destroy(s->coarse_factor);
+    yci_free(c, s->support_ptr), yci_free(c, s->support_column), yci_free(c, s->support_weight);
+    yci_bsr_destroy(c, &s->coarse);
+    yci_free(c, s->coarse_target), yci_free(c, s->coarse_x), yci_free(c, s->coarse_work);
+    yci_mass_destroy(c, &s->mass_p), yci_mass_dense_destroy(c, &s->mass_dense);
+    yci_free(c, s->work), yci_free(c, s->cg);
+    memset(s, 0, sizeof *s);
+}
+
+/* What a scene says of its nodes. System nodes are those with unknowns. */
+typedef struct yci_system_input {
+    int n;
+    const int *dim;       /* [n], 3 + sliding coordinates */
+    const int (*pair)[2]; /* couplings */
+    size_t pair_count;
+    int vertex_count;
+    const int *vertex_node;                   /* [vertex_count], system node or -1 */
+    const unsigned char *vertex_state;        /* [vertex_count], 0 not in the mechanics, 1 free, 2 pinned */
+    const unsigned char *is_yarn, *is_hybrid; /* [n] */
+    const int (*triangle)[3];                 /* [n], for yarn nodes the vertices that carry them, or -1 first */
+    const double (*beta)[3];                  /* [n] */
+    const int *order;                         /* yarn nodes in the order of their yarns */
+    int order_count;
+    yc_solver solver;
+} yci_system_input;
+
+/* Coarse columns: free vertices, and vertices under full yarns that are covered well enough to mean something. */
+static yc_result yci_system_coarse_create(yci_system *s, const yci_system_input *in) {
+    yci_context *c = s->c;
+    int *column = YCI_NEW(c, int, in->vertex_count), i, k, total = 0, *dims = NULL;
+    double *cover = YCI_NEW(c, double, in->vertex_count), mean = 0.0;
+    int(*pairs)[2] = NULL;
+    size_t count = 0;
+    yc_result result = YC_ERROR_MEMORY;
+    s->support_ptr = YCI_NEW(c, int, in->n + 1);
+    if (!column || !cover || !s->support_ptr) goto done;
+    for (i = 0; i < in->n; i++)
+        for (k = 0; k < 3; k++)
+            if (in->is_yarn[i] && in->triangle[i][0] >= 0) cover[in->triangle[i][k]] += in->beta[i][k] * in->beta[i][k];
+    for (i = 0; i < in->vertex_count; i++) mean += cover[i], total += cover[i] > 0.0;
+    mean /= total ? total : 1;
+    for (i = 0; i < in->vertex_count; i++) {
+        int used = in->vertex_state[i] == 1 || (in->vertex_state[i] == 0 && cover[i] > 1e-2 * mean);
+        column[i] = used ? s->coarse_count++ : -1;
+    }
+    for (i = total = 0; i < in->n; i++) total += in->is_yarn[i] ? 3 : 1;
+    s->support_column = YCI_NEW(c, int, total), s->support_weight = YCI_NEW(c, double, total);
+    dims = YCI_NEW(c, int, s->coarse_count);
+    if (!s->support_column || !s->support_weight || !dims) goto done;
+    total = 0;
+    for (i = 0; i < in->vertex_count; i++) /* support_ptr holds the vertex + 1 of a vertex node for a moment */
+        if (in->vertex_node[i] >= 0) s->support_ptr[in->vertex_node[i]] = i + 1;
+    for (i = 0; i < in->n; i++) {
+        int vertex = s->support_ptr[i] - 1;
+        s->support_ptr[i] = total;
+        if (!in->is_yarn[i] && column[vertex] >= 0)
+            s->support_column[total] = column[vertex], s->support_weight[total++] = 1.0;
+        for (k = 0; k < 3 && in->is_yarn[i] && in->triangle[i][0] >= 0; k++)
+            if (column[in->triangle[i][k]] >= 0 && in->beta[i][k] != 0.0)
+                s->support_column[total] = column[in->triangle[i][k]], s->support_weight[total++] = in->beta[i][k];
+    }
+    s->support_ptr[in->n] = total;
+    for (i = 0; i < s->coarse_count; i++) dims[i] = 3;
+    count = yci_system_coarse_pairs(s, NULL);
+    pairs = (int(*)[2])yci_alloc(c, count, sizeof *pairs);
+    if (!pairs) goto done;
+    yci_system_coarse_pairs(s, pairs);
+    result = yci_bsr_create(c, s->coarse_count, dims, (const int(*)[2])pairs, count, &s->coarse);
+    if (result != YC_OK) goto done;
+    result = YC_ERROR_MEMORY;
+    s->coarse_target = YCI_NEW(c, int, 2 * count);
+    if (!s->coarse_target) goto done;
+    yci_system_coarse_pairs(s, NULL);
+    result = yci_ldl_analyze(c, s->coarse_count, s->coarse.dim, s->coarse.ptr, s->coarse.col, NULL, &s->coarse_factor);
+    if (result != YC_OK) goto done;
+    s->coarse_x = YCI_NEW(c, double, 3 * s->coarse_count);
+    s->coarse_work = YCI_NEW(c, double, yci_ldl_work(s->coarse_factor, 1));
+    if (!s->coarse_x || !s->coarse_work) result = YC_ERROR_MEMORY;
+done:
+    yci_free(c, column), yci_free(c, cover), yci_free(c, dims), yci_free(c, pairs);
+    return result;
+}
+
+static yc_result yci_system_mixed_create(yci_system *s, const yci_system_input *in) {
+    yci_context *c = s->c;
+    int i, h = s->hybrid_count, *triangle = YCI_NEW(c, int, 3 * h);
+    double *beta = YCI_NEW(c, double, 3 * h);
+    yc_result result = YC_ERROR_MEMORY;
+    if (triangle && beta) {
+        for (i = 0; i < h; i++) {
+            memcpy(triangle + 3 * i, in->triangle[s->hybrid_node[i]], sizeof in->triangle[0]);
+            memcpy(beta + 3 * i, in->beta[s->hybrid_node[i]], sizeof in->beta[0]);
+        }
+        result = yci_mixed_create(
+            c, in->vertex_count, in->vertex_state, h, (const int(*)[3])triangle, (const double(*)[3])beta, &s->mixed);
+    }
+    yci_free(c, triangle), yci_free(c, beta);
+    return result;
+}
+
+static yc_result yci_system_parts(yci_system *s, const yci_system_input *in) {
+    yci_context *c = s->c;
+    int i, size;
+    yc_result result = yci_bsr_create(c, in->n, in->dim, in->pair, in->pair_count, &s->a);
+    if (result != YC_OK) return result;
+    size = yci_system_size(s);
+    s->mass_at = YCI_NEW(c, size_t, in->n + 1);
+    s->vertex_node = YCI_NEW(c, int, in->vertex_count), s->hybrid_node = YCI_NEW(c, int, in->n);
+    s->is_hybrid = YCI_NEW(c, unsigned char, in->n), s->is_yarn = YCI_NEW(c, unsigned char, in->n);
+    if (!s->mass_at || !s->vertex_node || !s->hybrid_node || !s->is_hybrid || !s->is_yarn) return YC_ERROR_MEMORY;
+    for (i = 0; i < in->n; i++) s->mass_at[i + 1] = s->mass_at[i] + (size_t)(in->dim[i] * in->dim[i]);
+    s->mass = YCI_NEW(c, double, s->mass_at[in->n]);
+    if (!s->mass) return YC_ERROR_MEMORY;
+    memcpy(s->vertex_node, in->vertex_node, (size_t)in->vertex_count * sizeof(int));
+    memcpy(s->is_hybrid, in->is_hybrid, (size_t)in->n), memcpy(s->is_yarn, in->is_yarn, (size_t)in->n);
+    for (i = 0; i < in->n; i++)
+        if (in->is_hybrid[i]) s->hybrid_node[s->hybrid_count++] = i;
+    if (s->solver == YC_SOLVER_DIRECT) {
+        result = yci_ldl_analyze(c, in->n, s->a.dim, s->a.ptr, s->a.col, NULL, &s->direct);
+        if (result != YC_OK) return result;
+        s->direct_work = YCI_NEW(c, double, yci_ldl_work(s->direct, 1));
+        return s->direct_work ? YC_OK : YC_ERROR_MEMORY;
+    }
+    s->work = YCI_NEW(c, double, size), s->cg = YCI_NEW(c, double, 4 * size);
+    s->v = YCI_NEW(c, double, 6 * (in->vertex_count + s->hybrid_count)), s->mass_diagonal = YCI_NEW(c, double, size);
+    if (!s->work || !s->cg || !s->v || !s->mass_diagonal) return YC_ERROR_MEMORY;
+    s->v2 = s->v + 3 * in->vertex_count, s->p = s->v2 + 3 * in->vertex_count, s->p2 = s->p + 3 * s->hybrid_count;
+    result = yci_system_mixed_create(s, in);
+    if (result == YC_OK && s->solver == YC_SOLVER_MASS) result = yci_mass_create(c, &s->mixed, &s->mass_p);
+    if (result == YC_OK && s->solver == YC_SOLVER_MASS_DENSE)
+        result = yci_mass_dense_create(c, &s->mixed, &s->mass_dense);
+    if (result != YC_OK || s->solver != YC_SOLVER_TWO_LEVEL) return result;
+    result = yci_ic_create(c, &s->a, in->order, in->order_count, &s->ic);
+    return result == YC_OK ? yci_system_coarse_create(s, in) : result;
+}
+
+/* On failure *s is zeroed. */
+static yc_result yci_system_create(yci_context *c, const yci_system_input *in, yci_system *s) {
+    yc_result result;
+    memset(s, 0, sizeof *s);
+    s->c = c, s->solver = in->solver, s->vertex_count = in->vertex_count;
+    result = yci_system_parts(s, in);
+    if (result != YC_OK) {
+        if (result == YC_ERROR_MEMORY) yci_out_of_memory(c, "the linear system");
+        yci_system_destroy(s);
+    }
+    return result;
+}
+/* Takes this iteration's matrix and masses into the preconditioners. */
+static yc_result yci_system_factor(yci_system *s) {
+    int i, k;
+    if (s->solver == YC_SOLVER_DIRECT) return yci_ldl_factor(s->direct, s->a.val, s->a.at, 1);
+    if (s->solver == YC_SOLVER_TWO_LEVEL) {
+        yc_result result = yci_ic_factor(s->ic, &s->a);
+        if (result != YC_OK) return result;
+        yci_system_coarse_assemble(s);
+        return yci_ldl_factor(s->coarse_factor, s->coarse.val, s->coarse.at, 1);
+    }
+    if (s->solver == YC_SOLVER_NONE) return YC_OK;
+    for (i = 0; i < s->vertex_count; i++) {
+        int node = s->vertex_node[i];
+        s->v[i] = node >= 0 ? s->mass[s->mass_at[node]] : 0.0;
+    }
+    for (i = 0; i < s->hybrid_count; i++) s->p[i] = s->mass[s->mass_at[s->hybrid_node[i]]];
+    if (s->solver == YC_SOLVER_MASS_DIAGONAL) {
+        for (i = 0; i < s->a.n; i++)
+            for (k = 0; k < s->a.dim[i]; k++)
+                s->mass_diagonal[s->a.off[i] + k] = s->mass[s->mass_at[i] + (size_t)(k * (s->a.dim[i] + 1))];
+        yci_mixed_mass_diagonal(&s->mixed, s->p, s->v); /* Mv + diag of B' Mp B */
+        for (i = 0; i < s->vertex_count; i++)
+            if (s->vertex_node[i] >= 0)
+                for (k = 0; k < 3; k++) s->mass_diagonal[s->a.off[s->vertex_node[i]] + k] = s->v[i];
+        return YC_OK;
+    }
+    if (s->solver == YC_SOLVER_MASS_DENSE) return yci_mass_dense_factor(&s->mass_dense, s->v, s->p);
+    return yci_mass_factor(&s->mass_p, s->v, s->p);
+}
+
+/* =====================================================================================================================
+ * >>scene   (chapter 11)
+ *
+ * What the user holds. A scene numbers the vertices of all cloths first and their yarn nodes behind them: one array of
+ * positions x and velocities, one of sliding coordinates u. Those arrays, with anchors, pins, poses and time, are the
+ * state; all else is the model: roles of nodes, elements, masses and the linear system, built from the descriptors and
+ * thrown away when the topology changes (something added, pinned, welded).
+ *
+ * Step (MIX 4.3, as a minimisation). Backward Euler from q_n, v_n over h finds the minimum of
+ *
+ *     E(q) = 1/(2h^2) |q - q_n - h v_n|^2_M + c/(2h) |q - q_n|^2_M + V(q),   v = (q - q_n)/h,
+ *
+ * c the mass damping, M the mass at q_n (its derivative is dropped, as in MIX 4.2), V all elastic, gravity, damping,
+ * contact and friction terms; friction and compression are lagged: their normal forces are those of q_n. Newton with
+ * positive semidefinite element Hessians and a backtracking line search: every accepted iterate lowers E, so any step
+ * size stays finite. A sub-step that fails is restored and halved.
+ *
+ * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
+ * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
+ * layout's for any alpha.
+ * ===================================================================================================================== */
+
+/* ---- what is held ---- */
+
+typedef struct yci_cloth {
+    yc_cloth_desc desc; /* its arrays are copies in the one block `memory` */
+    yc_yarns yarns;     /* likewise */
+    void *memory;
+    int vertex, node, visit, triangle; /* first of each in the scene */
+} yci_cloth;
+
+typedef struct yci_seam {
+    yc_seam_desc desc;
+    int *a, *b;        /* scene vertices; one block, from a */
+    double gap, start; /* m, largest distance of a pair when the seam was added, and s, when that was */
+} yci_seam;
+
+/* Roles of a scene node. */
+enum { YCI_IDLE, YCI_TRIANGLE, YCI_FULL, YCI_HYBRID };
+
+/* Elements. Weights are alpha or 1 - alpha, already multiplied into stiffness where there is one; `previous` is the
+ * strain at the step's start. */
+typedef struct yci_segment {
+    int a, b;
+    double stretch, density, previous;
+} yci_segment; /* a, b, c: visits */
+typedef struct yci_bend {
+    int a, b, c;
+    double stiffness, previous;
+} yci_bend;
+typedef struct yci_shear {
+    int node[3];
+    double stiffness, length, rest, limit, previous;
+} yci_shear;
+typedef struct yci_adjacent {
+    int a, b;
+    double stiffness, distance, hardness, floor;
+} yci_adjacent;
+/* mate and yarn are numbers of the cloth's network, the sliding yarn's first. */
+typedef struct yci_slide {
+    int visit, cloth, mate[2], yarn[2];
+    double stiffness, friction, limit;
+} yci_slide;
+typedef struct yci_face {
+    int node[3];
+    yci_membrane rest;
+    double material[4], previous[3];
+} yci_face;
+typedef struct yci_hinge {
+    int node[4];
+    double stiffness, rest, previous;
+} yci_hinge;
+typedef struct yci_stitch {
+    int node[2], seam;
+    double stiffness;
+} yci_stitch;
+/* A node, or a triangle's centre, that feels bodies. */
+typedef struct yci_probe {
+    int count, node[3];
+    double weight, thickness;
+} yci_probe;
+typedef struct yci_touch {
+    int probe, body;
+    double lambda, normal[3];
+} yci_touch; /* a probe near a body */
+/* What friction of a pair lags. */
+typedef struct yci_grip {
+    double weight, lambda, normal[3], share[4];
+} yci_grip;
+
+/* Kinds of elements, in the order of assembly. */
+enum {
+    YCI_SEGMENT,
+    YCI_GRAVITY,
+    YCI_BEND,
+    YCI_SHEAR,
+    YCI_ADJACENT,
+    YCI_SLIDE,
+    YCI_FACE,
+    YCI_HINGE,
+    YCI_STITCH,
+    YCI_TOUCH,
+    YCI_GRIP,
+    YCI_KINDS
+};
+
+/* One element as the assembly sees it. */
+typedef struct yci_local {
+    int nodes, dofs, node[4];       /* scene nodes */
+    signed char slot[12], comp[12]; /* of each unknown: which node, which component of its block, -1: held */
+    double energy, g[12], h[144];
+} yci_local;
+
+#define YCI_CHUNK 256      /* elements evaluated at once before their serial, ordered addition */
+#define YCI_JAM_WIDTH 0.05 /* rad, over which shear jamming rises to its full stiffness */
+
+#define YCI_ARRAY(type, name) \
+    type *name; \
+    int name##_count, name##_capacity
+
+typedef struct yci_model {
+    unsigned char *role; /* [nodes] */
+    double *share;       /* [nodes], alpha of yarn nodes in the mechanics, 1 - alpha of vertices, clamped */
+    unsigned char *held; /* [nodes], pinned, or a yarn node that holds the pin of a vertex without mechanics */
+    int *holder;         /* [vertices], that yarn node; -1: none */
+    int *system_node;    /* [nodes], node of the linear system; -1: none; -2 - k: pinned, number k */
+    int *node_of;        /* [system nodes] */
+    int *visit_slot;     /* [visits], the component of u in its node's block; -1: held */
+    double *mass;        /* [nodes], kg, of translation */
+    double *mass_fixed;  /* [nodes], the part of it that no sliding changes */
+    double *reaction;    /* [3 pinned], N; behind the vectors from dof */
+    int pinned;
+    YCI_ARRAY(yci_segment, segment);
+    YCI_ARRAY(yci_bend, bend);
+    YCI_ARRAY(yci_shear, shear);
+    YCI_ARRAY(yci_adjacent, adjacent);
+    YCI_ARRAY(yci_slide, slide);
+    YCI_ARRAY(yci_face, face);
+    YCI_ARRAY(yci_hinge, hinge);
+    YCI_ARRAY(yci_stitch, stitch);
+    YCI_ARRAY(yci_probe, probe);
+    YCI_ARRAY(yci_touch, touch);
+    yci_pairs pairs;
+    YCI_ARRAY(yci_grip, grip); /* one for each pair */
+    /* search of cloth against cloth: what takes part, and where all nodes are at rest */
+    YCI_ARRAY(int, edge);
+    YCI_ARRAY(int, ball);
+    int *face_node; /* [3 faces] */
+    double *radius, *rest;
+    int *closed;      /* [vertices], as if every seam were welded */
+    double margin;    /* m: contacts are searched again once a node has moved half of it */
+    double *searched; /* [3 nodes], positions at the last search; behind them room for as many */
+    yci_system system;
+    int has_system;
+    yc_solver solver;
+    /* Vectors of the system's size, one block from dof. */
+    double *dof, *dof_n, *dof_free, *gradient, *direction, *right;
+    yci_local *local; /* [YCI_CHUNK] */
+    double slope;     /* of E along the direction, J */
+    double h, rate;   /* s; stiffness damping / h. h = 0: energies alone, without damping and friction */
+    int full, hybrid, dummy, vertices, hybrid_vertices;
+} yci_model;
+
+struct yc_scene {
+    yci_context c;
+    yc_scene_desc desc;
+    YCI_ARRAY(yci_cloth, cloth);
+    YCI_ARRAY(yci_seam, seam);
+    YCI_ARRAY(yci_body_sdf, body);
+    /* topology of all cloths together */
+    int vertices, nodes, visits, triangles; /* nodes: vertices and, behind them, yarn nodes */
+    int *triangle;                          /* [3 triangles], scene vertices, welded */
+    int *weld;                              /* [vertices], the lowest vertex welded with it */
+    int *visit_node;                        /* [visits] */
+    /* state */
+    double *x, *velocity;       /* [3 nodes] */
+    double *u, *slide, *anchor; /* [visits]: u, its velocity, its friction anchor */
+    unsigned char *pin;         /* [nodes] */
+    double *goal;               /* [3 nodes], where a pin draws its node over the next step */
+    unsigned char *welded;      /* [seams] */
+    yci_pose *pose;             /* [2 bodies]: where each is, where the next step takes it */
+    double time, dt;            /* s; the sub-step that control has settled on */
+    /* scratch of the state's size */
+    double *x_n, *u_n; /* before the sub-step */
+    yci_model *model;  /* NULL: to be built */
+};
+
+/* ---- descriptors ---- */
+
+YC_API const char *yc_term_name(yc_term term) {
+    static const char *const names[] = {"kinetic", "gravity", "stretch", "bending", "shear", "adjacent", "slide",
+        "membrane", "hinge", "seam", "body", "pair"};
+    return (int)term >= 0 && term < YC_TERM_COUNT ? names[term] : "unknown yc_term";
+}
+
+YC_API yc_scene_desc yc_scene_desc_preset(yc_preset preset) {
+    yc_scene_desc d;
+    memset(&d, 0, sizeof d);
+    d.cookie = YCI_DESC_COOKIE;
+    d.gravity[1] = -9.81;
+    d.dt_max = preset == YC_PREVIEW ? 1.0 / 60.0 : preset == YC_REFERENCE ? 1e-3 : 5e-3;
+    d.dt_min = 1e-6;
+    d.tolerance = preset == YC_PREVIEW ? 1e-4 : preset == YC_REFERENCE ? 1e-8 : 1e-5;
+    d.newton_limit = 40;
+    d.linear_tolerance = preset == YC_REFERENCE ? 1e-6 : 1e-3;
+    d.linear_limit = 2000;
+    d.contact_stiffness = 200.0;
+    d.thickness = 1.5e-3;
+    d.slip_speed = 1e-3;
+    d.self_friction = 0.2;
+    return d;
+}
+
+YC_API yc_scene_desc yc_scene_desc_default(void) { return yc_scene_desc_preset(YC_DEFAULT); }
+
+YC_API yc_cloth_desc yc_cloth_desc_default(void) {
+    yc_cloth_desc d;
+    memset(&d, 0, sizeof d);
+    d.cookie = YCI_DESC_COOKIE;
+    d.material = yc_triangle_material_default();
+    return d;
+}
+
+YC_API yc_seam_desc yc_seam_desc_default(void) {
+    yc_seam_desc d;
+    memset(&d, 0, sizeof d);
+    d.cookie = YCI_DESC_COOKIE;
+    d.stiffness = 100.0;
+    d.close_time = 0.5;
+    d.weld_distance = 2e-3;
+    return d;
+}
+
+/* One line of a descriptor's check: a value, and the range it must lie in; `open` excludes the lower bound. */
+static yc_result yci_scene_range(yci_context *c, const char *field, double value, double lo, double hi, int open) {
+    if (value <= hi && (open ? value > lo : value >= lo)) return YC_OK;
+    return yci_fail(c, YC_ERROR_ARGUMENT, "%s = %g must be %s %g and at most %g", field, value,
+        open ? "greater than" : "at least", lo, hi);
+}
+
+static yc_result yci_scene_desc_check(yci_context *c, const yc_scene_desc *d) {
+    const double big = 1e12;
+    const char *axis[] = {"scene.gravity[0]", "scene.gravity[1]", "scene.gravity[2]"};
+    yc_result r = YC_OK;
+    int i;
+    if (!d) return yci_fail(c, YC_ERROR_ARGUMENT, "scene descriptor is NULL");
+    if (d->cookie != YCI_DESC_COOKIE)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "scene.cookie: not made by yc_scene_desc_default()");
+    for (i = 0; i < 3 && r == YC_OK; i++) r = yci_scene_range(c, axis[i], d->gravity[i], -big, big, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.dt_max", d->dt_max, 0.0, big, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.dt_min", d->dt_min, 0.0, d->dt_max, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.tolerance", d->tolerance, 0.0, big, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.newton_limit", d->newton_limit, 1.0, 1e9, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.solver", (double)d->solver, 0.0, (double)YC_SOLVER_MASS_DENSE, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.linear_tolerance", d->linear_tolerance, 0.0, 1.0, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.linear_limit", d->linear_limit, 1.0, 1e9, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.stiffness_damping", d->stiffness_damping, 0.0, big, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.mass_damping", d->mass_damping, 0.0, big, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.contact_stiffness", d->contact_stiffness, 0.0, big, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.thickness", d->thickness, 0.0, big, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.slip_speed", d->slip_speed, 0.0, big, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.self_friction", d->self_friction, 0.0, 10.0, 0);
+    return r;
+}
+
+static void yci_message_out(const yci_context *c, char *message) {
+    if (message) memcpy(message, c->message, YC_MESSAGE_SIZE);
+}
+
+YC_API yc_result yc_scene_create(const yc_host *host, const yc_scene_desc *desc, yc_scene **out, char *message) {
+    yci_context c;
+    yc_scene *s = NULL;
+    yc_result result = yci_context_init(&c, host);
+    if (!out) result = yci_fail(&c, YC_ERROR_ARGUMENT, "out is NULL");
+    else *out = NULL;
+    if (result == YC_OK) result = yci_scene_desc_check(&c, desc);
+    if (result == YC_OK && !(s = YCI_NEW(&c, yc_scene, 1))) result = yci_out_of_memory(&c, "the scene");
+    yci_message_out(&c, message);
+    if (result != YC_OK) return result;
+    s->c = c, s->desc = *desc, s->dt = desc->dt_max;
+    *out = s;
+    return YC_OK;
+}
+
+YC_API const char *yc_scene_message(const yc_scene *s) { return s ? s->c.message : "scene is NULL"; }
+YC_API yc_scene_desc yc_scene_desc_get(const yc_scene *s) { return s->desc; }
+YC_API double yc_scene_time(const yc_scene *s) { return s->time; }
+
+static void yci_model_destroy(yc_scene *s) {
+    yci_context *c = &s->c;
+    yci_model *m = s->model;
+    if (!m) return;
+    if (m->has_system) yci_system_destroy(&m->system);
+    yci_free(c, m->role), yci_free(c, m->share), yci_free(c, m->held), yci_free(c, m->holder),
+        yci_free(c, m->system_node), yci_free(c, m->node_of);
+    yci_free(c, m->visit_slot), yci_free(c, m->mass), yci_free(c, m->mass_fixed);
+    yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->shear), yci_free(c, m->adjacent),
+        yci_free(c, m->slide);
+    yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
+    yci_free(c, m->grip), yci_free(c, m->edge), yci_free(c, m->ball), yci_free(c, m->face_node),
+        yci_pairs_free(c, &m->pairs);
+    yci_free(c, m->radius), yci_free(c, m->rest), yci_free(c, m->closed), yci_free(c, m->searched);
+    yci_free(c, m->dof), yci_free(c, m->local), yci_free(c, m);
+    s->model = NULL;
+}
+
+YC_API yc_result yc_scene_tune(yc_scene *s, const yc_scene_desc *desc) {
+    yc_result result = yci_scene_desc_check(&s->c, desc);
+    if (result != YC_OK) return result;
+    if (desc->solver != s->desc.solver || !desc->self_contact != !s->desc.self_contact ||
+        desc->thickness != s->desc.thickness)
+        yci_model_destroy(s);
+    s->desc = *desc;
+    s->dt = yci_min(s->dt, desc->dt_max);
+    return YC_OK;
+}
+
+YC_API void yc_scene_destroy(yc_scene *s) {
+    yci_context c;
+    int i;
+    if (!s) return;
+    yci_model_destroy(s);
+    for (i = 0; i < s->cloth_count; i++) yci_free(&s->c, s->cloth[i].memory);
+    for (i = 0; i < s->seam_count; i++) yci_free(&s->c, s->seam[i].a);
+    for (i = 0; i < s->body_count; i++) yci_body_free(&s->c, s->body + i);
+    yci_free(&s->c, s->cloth), yci_free(&s->c, s->seam), yci_free(&s->c, s->body);
+    yci_free(&s->c, s->triangle), yci_free(&s->c, s->weld), yci_free(&s->c, s->visit_node);
+    yci_free(&s->c, s->x), yci_free(&s->c, s->velocity), yci_free(&s->c, s->u), yci_free(&s->c, s->slide);
+    yci_free(&s->c, s->anchor), yci_free(&s->c, s->pin), yci_free(&s->c, s->goal), yci_free(&s->c, s->welded);
+    yci_free(&s->c, s->pose), yci_free(&s->c, s->x_n), yci_free(&s->c, s->u_n);
+    c = s->c;
+    yci_free(&c, s);
+}
+
+/* ---- adding things: everything that can fail comes first, then all is swapped in ---- */
+
+typedef struct yci_grow {
+    void *array; /* address of the pointer */
+    size_t used, need, item;
+    void *fresh;
+} yci_grow;
+
+static yci_grow yci_grow_item(void *array, int used, int more, int per, size_t item) {
+    yci_grow g;
+    g.array = array, g.used = (size_t)used * (size_t)per, g.need = ((size_t)used + (size_t)more) * (size_t)per;
+    g.item = item, g.fresh = NULL;
+    return g;
+}
+
+static int yci_grow_acquire(yci_context *c, yci_grow *list, int count) {
+    int i;
+    for (i = 0; i < count; i++) {
+        list[i].fresh = yci_alloc(c, list[i].need, list[i].item);
+        if (!list[i].fresh) {
+            while (i--) yci_free(c, list[i].fresh);
+            return 0;
+        }
+    }
+    return 1;
+}
+
+static void yci_grow_commit(yci_context *c, yci_grow *list, int count) {
+    int i;
+    for (i = 0; i < count; i++) {
+        void *old;
+        memcpy(&old, list[i].array, sizeof old);
+        if (old) memcpy(list[i].fresh, old, list[i].used * list[i].item);
+        yci_free(c, old);
+        memcpy(list[i].array, &list[i].fresh, sizeof old);
+    }
+}
+
+static yc_result yci_triangle_material_check(yci_context *c, const yc_triangle_material *m) {
+    const double big = 1e12, limit = sqrt(yci_max(m->stretch[0] * m->stretch[1], 0.0));
+    yc_result r = yci_scene_range(c, "cloth.material.density", m->density, 0.0, big, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "cloth.material.stretch[0]", m->stretch[0], 0.0, big, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "cloth.material.stretch[1]", m->stretch[1], 0.0, big, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "cloth.material.coupling", fabs(m->coupling), 0.0, 0.999999 * limit, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "cloth.material.shear", m->shear, 0.0, big, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "cloth.material.bending", m->bending, 0.0, big, 0);
+    return r;
+}
+
+static yc_result yci_array_check(
+    yci_context *c, const char *field, const double *values, int count, double lo, double hi, int open) {
+    int i;
+    for (i = 0; values && i < count; i++)
+        if (!(values[i] <= hi && (open ? values[i] > lo : values[i] >= lo)))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "cloth.%s[%d] = %g must be %s %g and at most %g", field, i, values[i],
+                open ? "greater than" : "at least", lo, hi);
+    return YC_OK;
+}
+
+static yc_result yci_cloth_check(yci_context *c, const yc_cloth_desc *d) {
+    yc_result r;
+    if (!d) return yci_fail(c, YC_ERROR_ARGUMENT, "cloth descriptor is NULL");
+    if (d->cookie != YCI_DESC_COOKIE)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "cloth.cookie: not made by yc_cloth_desc_default()");
+    if (!d->mesh.vertex_count && !d->yarns) return yci_fail(c, YC_ERROR_ARGUMENT, "cloth has neither mesh nor yarns");
+    r = yci_triangle_material_check(c, &d->material);
+    if (r == YC_OK && d->mesh.vertex_count) r = yci_mesh_check(c, &d->mesh);
+    if (r == YC_OK && d->yarns) r = yci_yarns_check(c, d->yarns, d->mesh.vertex_count ? &d->mesh : NULL);
+    if (r == YC_OK) r = yci_scene_range(c, "cloth.alpha_uniform", d->alpha_uniform, 0.0, 1.0, 0);
+    if (r == YC_OK) r = yci_array_check(c, "alpha", d->alpha, d->mesh.vertex_count, 0.0, 1.0, 0);
+    if (r == YC_OK) r = yci_array_check(c, "grain", d->grain, d->mesh.triangle_count, -1e3, 1e3, 0);
+    if (r == YC_OK) r = yci_array_check(c, "prestretch", d->prestretch, d->mesh.triangle_count, 0.0, 1e3, 1);
+    if (r == YC_OK && d->yarn_positions && d->yarns)
+        r = yci_array_check(
+            c, "yarn_positions", (const double *)d->yarn_positions, 3 * d->yarns->node_count, -1e9, 1e9, 0);
+    return r;
+}
+
+/* Copies a descriptor's arrays into one block. `at` walks through it; with block NULL only the size is counted. */
+static void *yci_pack(char *block, size_t *at, const void *data, size_t count, size_t item) {
+    char *place = block ? block + *at : NULL;
+    size_t bytes = (count * item + 15) & ~(size_t)15;
+    if (!data) return NULL;
+    if (place && count) memcpy(place, data, count * item);
+    *at += bytes;
+    return place;
+}
+
+static size_t yci_cloth_pack(yci_cloth *out, const yc_cloth_desc *d, char *block) {
+    const yc_mesh *m = &d->mesh;
+    size_t at = 0, vertices = (size_t)m->vertex_count, triangles = (size_t)m->triangle_count;
+    out->desc = *d;
+    out->desc.mesh.positions = NULL, out->desc.yarn_positions = NULL; /* they become the state */
+    out->desc.mesh.triangles = (const int(*)[3])yci_pack(block, &at, m->triangles, triangles, sizeof m->triangles[0]);
+    out->desc.mesh.uv = (const double(*)[2])yci_pack(block, &at, m->uv, (size_t)m->uv_count, sizeof m->uv[0]);
+    out->desc.mesh.uv_triangles =
+        (const int(*)[3])yci_pack(block, &at, m->uv_triangles, triangles, sizeof m->uv_triangles[0]);
+    if (vertices && !m->uv_triangles) out->desc.mesh.uv_triangles = out->desc.mesh.triangles;
+    out->desc.alpha = (const double *)yci_pack(block, &at, d->alpha, vertices, sizeof(double));
+    out->desc.grain = (const double *)yci_pack(block, &at, d->grain, triangles, sizeof(double));
+    out->desc.prestretch = (const double *)yci_pack(block, &at, d->prestretch, triangles, sizeof(double));
+    if (d->yarns) {
+        const yc_yarns *y = d->yarns;
+        size_t nodes = (size_t)y->node_count, yarns = (size_t)y->yarn_count, visits = (size_t)y->visit_count;
+        out->yarns = *y;
+        out->yarns.owner = NULL;
+        out->yarns.layout = (double(*)[3])yci_pack(block, &at, y->layout, nodes, sizeof y->layout[0]);
+        out->yarns.triangle = (int *)yci_pack(block, &at, vertices ? y->triangle : NULL, nodes, sizeof(int));
+        out->yarns.weights =
+            (double(*)[3])yci_pack(block, &at, vertices ? y->weights : NULL, nodes, sizeof y->weights[0]);
+        out->yarns.yarn_first = (int *)yci_pack(block, &at, y->yarn_first, yarns + 1, sizeof(int));
+        out->yarns.yarn_family = (unsigned char *)yci_pack(block, &at, y->yarn_family, yarns, 1);
+        out->yarns.yarn_material = (int *)yci_pack(block, &at, y->yarn_material, yarns, sizeof(int));
+        out->yarns.visit_node = (int *)yci_pack(block, &at, y->visit_node, visits, sizeof(int));
+        out->yarns.visit_u = (double *)yci_pack(block, &at, y->visit_u, visits, sizeof(double));
+        out->yarns.visit_layer = (signed char *)yci_pack(block, &at, y->visit_layer, visits, 1);
+        out->yarns.visit_held = (unsigned char *)yci_pack(block, &at, y->visit_held, visits, 1);
+        out->yarns.materials =
+            (yc_yarn_material *)yci_pack(block, &at, y->materials, (size_t)y->material_count, sizeof *y->materials);
+    }
+    out->desc.yarns = d->yarns ? &out->yarns : NULL; /* valid while *out stays where it is: see yci_cloth_yarns */
+    return at;
+}
+
+/* The arrays of cloths may move, so their yarns are reached through this. */
+static const yc_yarns *yci_cloth_yarns(const yci_cloth *cloth) { return cloth->desc.yarns ? &cloth->yarns : NULL; }
+
+/* Writes a new cloth's part of the state and topology, behind what is there. */
+static void yci_cloth_start(yc_scene *s, yci_cloth *cloth, const yc_cloth_desc *d) {
+    const yc_yarns *y = yci_cloth_yarns(cloth);
+    int i, k, j;
+    for (i = 0; i < d->mesh.vertex_count; i++) {
+        s->weld[cloth->vertex + i] = cloth->vertex + i;
+        yci_copy(s->x + 3 * (cloth->vertex + i), d->mesh.positions[i]);
+    }
+    for (i = 0; i < 3 * d->mesh.triangle_count; i++)
+        s->triangle[3 * cloth->triangle + i] = cloth->vertex + (&d->mesh.triangles[0][0])[i];
+    for (i = 0; y && i < y->node_count; i++) {
+        double *x = s->x + 3 * (cloth->node + i);
+        if (d->yarn_positions) yci_copy(x, d->yarn_positions[i]);
+        else if (!d->mesh.vertex_count) yci_copy(x, y->layout[i]);
+        else
+            for (k = 0; k < 3; k++)
+                yci_axpy(x, y->weights[i][k], d->mesh.positions[d->mesh.triangles[y->triangle[i]][k]]);
+    }
+    for (j = 0; y && j < y->visit_count; j++) {
+        s->visit_node[cloth->visit + j] = cloth->node + y->visit_node[j];
+        s->u[cloth->visit + j] = s->anchor[cloth->visit + j] = y->visit_u[j];
+    }
+}
+
+/* Vertices of a new cloth stand before all yarn nodes: those of earlier cloths move up by `shift`. */
+static void yci_scene_shift_nodes(yc_scene *s, int shift) {
+    int i, yarn_nodes = s->nodes - s->vertices;
+    size_t bytes = (size_t)yarn_nodes * 3 * sizeof(double), from = (size_t)(3 * s->vertices),
+           to = from + (size_t)(3 * shift);
+    memmove(s->x + to, s->x + from, bytes), memset(s->x + from, 0, (to - from) * sizeof(double));
+    memmove(s->velocity + to, s->velocity + from, bytes), memset(s->velocity + from, 0, (to - from) * sizeof(double));
+    memmove(s->goal + to, s->goal + from, bytes);
+    memmove(s->pin + s->vertices + shift, s->pin + s->vertices, (size_t)yarn_nodes);
+    memset(s->pin + s->vertices, 0, (size_t)shift);
+    for (i = 0; i < s->visits; i++) s->visit_node[i] += shift;
+    for (i = 0; i < s->cloth_count; i++) s->cloth[i].node += shift;
+}
+
+YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int *handle) {
+    yci_context *c = &s->c;
+    yci_cloth cloth;
+    yci_grow grow[13];
+    int vertices, nodes = 0, visits = 0, n = 0;
+    yc_result result = yci_cloth_check(c, desc);
+    if (result != YC_OK) return result;
+    memset(&cloth, 0, sizeof cloth);
+    cloth.memory = yci_alloc(c, yci_cloth_pack(&cloth, desc, NULL), 1);
+    if (!cloth.memory) return yci_out_of_memory(c, "the cloth");
+    yci_cloth_pack(&cloth, desc, (char *)cloth.memory);
+    vertices = desc->mesh.vertex_count;
+    if (desc->yarns) nodes = desc->yarns->node_count, visits = desc->yarns->visit_count;
+    grow[n++] = yci_grow_item(&s->cloth, s->cloth_count, 1, 1, sizeof *s->cloth);
+    grow[n++] = yci_grow_item(&s->triangle, s->triangles, desc->mesh.triangle_count, 3, sizeof(int));
+    grow[n++] = yci_grow_item(&s->weld, s->vertices, vertices, 1, sizeof(int));
+    grow[n++] = yci_grow_item(&s->visit_node, s->visits, visits, 1, sizeof(int));
+    grow[n++] = yci_grow_item(&s->x, s->nodes, vertices + nodes, 3, sizeof(double));
+    grow[n++] = yci_grow_item(&s->x_n, s->nodes, vertices + nodes, 3, sizeof(double));
+    grow[n++] = yci_grow_item(&s->u_n, s->visits, visits, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->velocity, s->nodes, vertices + nodes, 3, sizeof(double));
+    grow[n++] = yci_grow_item(&s->u, s->visits, visits, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->slide, s->visits, visits, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->anchor, s->visits, visits, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->pin, s->nodes, vertices + nodes, 1, 1);
+    grow[n++] = yci_grow_item(&s->goal, s->nodes, vertices + nodes, 3, sizeof(double));
+    if (!yci_grow_acquire(c, grow, n)) {
+        yci_free(c, cloth.memory);
+        return yci_out_of_memory(c, "the cloth");
+    }
+    yci_grow_commit(c, grow, n);
+    yci_scene_shift_nodes(s, vertices);
+    cloth.vertex = s->vertices, cloth.node = s->nodes + vertices, cloth.visit = s->visits,
+    cloth.triangle = s->triangles;
+    s->vertices += vertices, s->nodes += vertices + nodes, s->visits += visits,
+        s->triangles += desc->mesh.triangle_count;
+    s->cloth[s->cloth_count] = cloth;
+    yci_cloth_start(s, s->cloth + s->cloth_count, desc);
+    if (handle) *handle = s->cloth_count;
+    s->cloth_count++;
+    yci_model_destroy(s);
+    return YC_OK;
+}
+
+static yc_result yci_handle_check(yci_context *c, const char *what, int handle, int count) {
+    if (handle >= 0 && handle < count) return YC_OK;
+    return yci_fail(c, YC_ERROR_ARGUMENT, "%s handle %d is not in [0, %d)", what, handle, count);
+}
+
+/* Which way the directed edge (a, b) runs in the triangles: 1 forward, -1 backward, 0 in none. */
+static int yci_scene_edge_direction(const yc_scene *s, int a, int b) {
+    int t, k;
+    for (t = 0; t < s->triangles; t++)
+        for (k = 0; k < 3; k++) {
+            int p = s->triangle[3 * t + k], q = s->triangle[3 * t + (k + 1) % 3];
+            if (p == s->weld[a] && q == s->weld[b]) return 1;
+            if (p == s->weld[b] && q == s->weld[a]) return -1;
+        }
+    return 0;
+}
+
+static yc_result yci_seam_check(yc_scene *s, const yc_seam_desc *d) {
+    yci_context *c = &s->c;
+    const int *chain[2];
+    yc_result r;
+    int side, i;
+    if (!d) return yci_fail(c, YC_ERROR_ARGUMENT, "seam descriptor is NULL");
+    if (d->cookie != YCI_DESC_COOKIE)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "seam.cookie: not made by yc_seam_desc_default()");
+    chain[0] = d->a, chain[1] = d->b;
+    if (d->count < 1) return yci_fail(c, YC_ERROR_ARGUMENT, "seam.count = %d must be at least 1", d->count);
+    for (side = 0; side < 2; side++) {
+        r = yci_handle_check(c, "seam.cloth", d->cloth[side], s->cloth_count);
+        if (r != YC_OK) return r;
+        if (!chain[side]) return yci_fail(c, YC_ERROR_ARGUMENT, "seam.%c is NULL", "ab"[side]);
+        for (i = 0; i < d->count; i++)
+            if (chain[side][i] < 0 || chain[side][i] >= s->cloth[d->cloth[side]].desc.mesh.vertex_count)
+                return yci_fail(
+                    c, YC_ERROR_ARGUMENT, "seam.%c[%d] = %d is no vertex of its cloth", "ab"[side], i, chain[side][i]);
+    }
+    r = yci_scene_range(c, "seam.stiffness", d->stiffness, 0.0, 1e12, 1);
+    if (r == YC_OK) r = yci_scene_range(c, "seam.close_time", d->close_time, 0.0, 1e12, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "seam.weld_distance", d->weld_distance, 0.0, 1e12, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "seam.rest_angle", fabs(d->rest_angle), 0.0, 3.14, 0);
+    for (i = 0; r == YC_OK && i + 1 < d->count; i++) {
+        int a = s->cloth[d->cloth[0]].vertex, b = s->cloth[d->cloth[1]].vertex;
+        int forward = yci_scene_edge_direction(s, a + d->a[i], a + d->a[i + 1]);
+        int backward = yci_scene_edge_direction(s, b + d->b[i], b + d->b[i + 1]);
+        if (forward && forward == backward)
+            r = yci_fail(c, YC_ERROR_TOPOLOGY,
+                "seam edge %d joins two pieces wound against each other (vertices %d, %d and %d, %d)", i, d->a[i],
+                d->a[i + 1], d->b[i], d->b[i + 1]);
+    }
+    return r;
+}
+
+YC_API yc_result yc_scene_add_seam(yc_scene *s, const yc_seam_desc *desc, int *handle) {
+    yci_context *c = &s->c;
+    yci_seam seam;
+    yci_grow grow[2];
+    int i;
+    yc_result result = yci_seam_check(s, desc);
+    if (result != YC_OK) return result;
+    memset(&seam, 0, sizeof seam);
+    seam.desc = *desc;
+    seam.a = YCI_NEW(c, int, 2 * (size_t)desc->count);
+    grow[0] = yci_grow_item(&s->seam, s->seam_count, 1, 1, sizeof *s->seam);
+    grow[1] = yci_grow_item(&s->welded, s->seam_count, 1, 1, 1);
+    if (!seam.a || !yci_grow_acquire(c, grow, 2)) {
+        yci_free(c, seam.a);
+        return yci_out_of_memory(c, "the seam");
+    }
+    yci_grow_commit(c, grow, 2);
+    seam.b = seam.a + desc->count;
+    for (i = 0; i < desc->count; i++) {
+        double d[3];
+        seam.a[i] = s->cloth[desc->cloth[0]].vertex + desc->a[i];
+        seam.b[i] = s->cloth[desc->cloth[1]].vertex + desc->b[i];
+        yci_sub(d, s->x + 3 * seam.a[i], s->x + 3 * seam.b[i]);
+        seam.gap = yci_max(seam.gap, yci_norm(d));
+    }
+    seam.start = s->time;
+    seam.desc.a = seam.desc.b = NULL;
+    s->seam[s->seam_count] = seam;
+    if (handle) *handle = s->seam_count;
+    s->seam_count++;
+    yci_model_destroy(s);
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_add_body(yc_scene *s, const yc_body_desc *desc, int *handle) {
+    yci_context *c = &s->c;
+    yci_body_sdf body;
+    yci_grow grow[2];
+    yc_result result = yci_body_init(c, desc, &body);
+    if (result != YC_OK) return result;
+    grow[0] = yci_grow_item(&s->body, s->body_count, 1, 1, sizeof *s->body);
+    grow[1] = yci_grow_item(&s->pose, s->body_count, 1, 2, sizeof *s->pose);
+    if (!yci_grow_acquire(c, grow, 2)) {
+        yci_body_free(c, &body);
+        return yci_out_of_memory(c, "the body");
+    }
+    yci_grow_commit(c, grow, 2);
+    s->pose[2 * s->body_count] = s->pose[2 * s->body_count + 1] = body.pose;
+    s->body[s->body_count] = body;
+    if (handle) *handle = s->body_count;
+    s->body_count++;
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_move_body(yc_scene *s, int body, const double rotation[9], const double translation[3]) {
+    yci_pose pose;
+    int i, j;
+    yc_result result = yci_handle_check(&s->c, "body", body, s->body_count);
+    if (result != YC_OK) return result;
+    for (i = 0; i < 3; i++)
+        for (j = 0; j < 3; j++) {
+            double product = yci_dot(rotation + 3 * i, rotation + 3 * j);
+            if (!(fabs(product - (i == j)) < 1e-6))
+                return yci_fail(&s->c, YC_ERROR_ARGUMENT, "rotation is not orthonormal: rows %d and %d have product %g",
+                    i, j, product);
+        }
+    for (i = 0; i < 3; i++)
+        if (!(fabs(translation[i]) < 1e9))
+            return yci_fail(&s->c, YC_ERROR_ARGUMENT, "translation[%d] = %g is not a place", i, translation[i]);
+    memcpy(pose.r, rotation, sizeof pose.r);
+    yci_copy(pose.t, translation);
+    s->pose[2 * body + 1] = pose;
+    return YC_OK;
+}
+
+/* The scene node of a cloth's vertex (welded) or yarn node; fails with a message. */
+static yc_result yci_scene_point(yc_scene *s, int cloth, yc_point kind, int index, int *node) {
+    yc_result result = yci_handle_check(&s->c, "cloth", cloth, s->cloth_count);
+    int count;
+    if (result != YC_OK) return result;
+    if (kind != YC_VERTEX && kind != YC_NODE)
+        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "kind = %d is neither YC_VERTEX nor YC_NODE", (int)kind);
+    count = kind == YC_VERTEX        ? s->cloth[cloth].desc.mesh.vertex_count
+        : s->cloth[cloth].desc.yarns ? s->cloth[cloth].yarns.node_count
+                                     : 0;
+    if (index < 0 || index >= count)
+        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "%s %d of cloth %d is not in [0, %d)",
+            kind == YC_VERTEX ? "vertex" : "node", index, cloth, count);
+    *node = kind == YC_VERTEX ? s->weld[s->cloth[cloth].vertex + index] : s->cloth[cloth].node + index;
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_pin(yc_scene *s, int cloth, yc_point kind, int index, const double position[3]) {
+    int node, k;
+    yc_result result = yci_scene_point(s, cloth, kind, index, &node);
+    if (result != YC_OK) return result;
+    for (k = 0; position && k < 3; k++)
+        if (!(fabs(position[k]) < 1e9))
+            return yci_fail(&s->c, YC_ERROR_ARGUMENT, "pin position[%d] = %g is not a place", k, position[k]);
+    if (!s->pin[node]) yci_model_destroy(s);
+    s->pin[node] = 1;
+    yci_copy(s->goal + 3 * node, position ? position : s->x + 3 * node);
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_unpin(yc_scene *s, int cloth, yc_point kind, int index) {
+    int node;
+    yc_result result = yci_scene_point(s, cloth, kind, index, &node);
+    if (result != YC_OK) return result;
+    if (!s->pin[node])
+        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "%s %d of cloth %d is not pinned",
+            kind == YC_VERTEX ? "vertex" : "node", index, cloth);
+    s->pin[node] = 0;
+    yci_model_destroy(s);
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_set_velocity(yc_scene *s, int cloth, yc_point kind, int index, const double velocity[3]) {
+    int node, k;
+    yc_result result = yci_scene_point(s, cloth, kind, index, &node);
+    if (result != YC_OK) return result;
+    for (k = 0; k < 3; k++)
+        if (!(fabs(velocity[k]) < 1e9))
+            return yci_fail(&s->c, YC_ERROR_ARGUMENT, "velocity[%d] = %g is no speed", k, velocity[k]);
+    yci_copy(s->velocity + 3 * node, velocity);
+    return YC_OK;
+}
+
+/* ---- model: roles and weights ---- */
+
+static double yci_raise(double alpha) { return alpha > 0.0 && alpha < 0.01 ? 0.01 : alpha; }
+
+/* Alpha at a cloth's vertex; without yarns nothing blends. */
+static double yci_cloth_alpha(const yci_cloth *cloth, int vertex) {
+    if (!cloth->desc.yarns) return 0.0;
+    if (cloth->desc.enrich_all) return 1.0;
+    return cloth->desc.alpha ? cloth->desc.alpha[vertex] : cloth->desc.alpha_uniform;
+}
+
+/* Mean alpha of a triangle, and its region: YCI_FULL, YCI_HYBRID or YCI_TRIANGLE. */
+static int yci_cloth_region(const yci_cloth *cloth, int triangle, double *mean) {
+    const int *v = cloth->desc.mesh.triangles[triangle];
+    double a = yci_cloth_alpha(cloth, v[0]), b = yci_cloth_alpha(cloth, v[1]), d = yci_cloth_alpha(cloth, v[2]);
+    *mean = (a + b + d) / 3.0;
+    if (cloth->desc.enrich_all && cloth->desc.yarns) return YCI_HYBRID;
+    return a >= 1.0 && b >= 1.0 && d >= 1.0 ? YCI_FULL : a <= 0.0 && b <= 0.0 && d <= 0.0 ? YCI_TRIANGLE : YCI_HYBRID;
+}
+
+/* Roles of nodes. A vertex takes part when a triangle of it does; a yarn node by its triangle's region. */
+static void yci_build_roles(yc_scene *s, yci_model *m) {
+    int i, k, t;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yci_cloth *cloth = s->cloth + i;
+        const yc_yarns *y = yci_cloth_yarns(cloth);
+        double mean;
+        for (t = 0; t < cloth->desc.mesh.triangle_count; t++) {
+            int region = yci_cloth_region(cloth, t, &mean);
+            for (k = 0; k < 3 && region != YCI_FULL; k++) {
+                int v = cloth->desc.mesh.triangles[t][k], node = s->weld[cloth->vertex + v];
+                double share = cloth->desc.enrich_all ? 0.0 : yci_max(1.0 - yci_cloth_alpha(cloth, v), 0.01);
+                m->role[node] = YCI_TRIANGLE;
+                m->share[node] = yci_max(m->share[node], share);
+            }
+        }
+        for (k = 0; y && k < y->node_count; k++) {
+            int node = cloth->node + k, region = YCI_FULL;
+            double alpha = 1.0;
+            if (y->triangle) {
+                const int *v = cloth->desc.mesh.triangles[y->triangle[k]];
+                region = yci_cloth_region(cloth, y->triangle[k], &mean);
+                alpha = y->weights[k][0] * yci_cloth_alpha(cloth, v[0]) +
+                    y->weights[k][1] * yci_cloth_alpha(cloth, v[1]) + y->weights[k][2] * yci_cloth_alpha(cloth, v[2]);
+            }
+            if (region == YCI_TRIANGLE) {
+                m->dummy++;
+                continue;
+            }
+            m->role[node] = (unsigned char)region;
+            m->share[node] = region == YCI_FULL ? 1.0 : yci_clamp(alpha, 0.01, 1.0);
+            if (region == YCI_FULL) m->full++;
+            else m->hybrid++;
+        }
+    }
+    for (i = 0; i < s->vertices; i++) m->vertices += m->role[i] != YCI_IDLE;
+}
+
+/* The pin of a vertex that has left the mechanics passes to the nearest yarn node of its triangles, measured in the
+ * pattern. */
+static void yci_build_holders(yc_scene *s, yci_model *m) {
+    int i, k, j;
+    memcpy(m->held, s->pin, (size_t)s->nodes);
+    for (i = 0; i < s->vertices; i++) m->holder[i] = -1;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yci_cloth *cloth = s->cloth + i;
+        const yc_yarns *y = yci_cloth_yarns(cloth);
+        for (k = 0; k < cloth->desc.mesh.vertex_count; k++) {
+            int vertex = s->weld[cloth->vertex + k], node, best = -1;
+            double nearest = 2.0; /* weights of a node in its triangle: 1 at the vertex itself */
+            if (!y || !s->pin[vertex] || m->role[vertex] != YCI_IDLE || m->holder[vertex] >= 0) continue;
+            for (node = 0; node < y->node_count; node++)
+                for (j = 0; j < 3; j++)
+                    if (s->triangle[3 * (cloth->triangle + y->triangle[node]) + j] == vertex &&
+                        1.0 - y->weights[node][j] < nearest)
+                        nearest = 1.0 - y->weights[node][j], best = cloth->node + node;
+            if (best >= 0) m->holder[vertex] = best, m->held[best] = 1;
+        }
+    }
+}
+
+/* ---- model: elements of yarns ---- */
+
+typedef struct yci_build {
+    yc_scene *s;
+    yci_model *m;
+    const yci_cloth *cloth;
+    const yc_yarns *yarns;
+} yci_build;
+
+#define YCI_PUSH(b, name) \
+    (YCI_RESERVE(&(b)->s->c, (b)->m->name, (b)->m->name##_capacity, (b)->m->name##_count, (b)->m->name##_count + 1) \
+            ? (b)->m->name + (b)->m->name##_count++ \
+            : NULL)
+
+static const yc_yarn_material *yci_yarn_of(const yci_build *b, int yarn) {
+    return b->yarns->materials + b->yarns->yarn_material[yarn];
+}
+
+static int yci_build_active(const yci_build *b, int visit) {
+    return b->m->role[b->cloth->node + b->yarns->visit_node[visit]] != YCI_IDLE;
+}
+static double yci_build_share(const yci_build *b, int visit) {
+    return b->m->share[b->cloth->node + b->yarns->visit_node[visit]];
+}
+
+/* Gives half of a segment's mass, times `factor`, to the vertices that carry the visit's node. */
+static void yci_build_vertex_mass(const yci_build *b, int visit, double mass) {
+    int node = b->yarns->visit_node[visit], k;
+    const int *v = b->cloth->desc.mesh.triangles[b->yarns->triangle[node]];
+    for (k = 0; k < 3; k++) b->m->mass_fixed[b->s->weld[b->cloth->vertex + v[k]]] += b->yarns->weights[node][k] * mass;
+}
+
+/* A segment with both nodes in the mechanics is an element; else its mass is the triangles'. */
+static int yci_build_segment(const yci_build *b, int yarn, int a) {
+    const yc_yarn_material *material = yci_yarn_of(b, yarn);
+    int active_a = yci_build_active(b, a), active_b = yci_build_active(b, a + 1);
+    double mass = material->density * (b->yarns->visit_u[a + 1] - b->yarns->visit_u[a]), alpha = 0.0;
+    yci_segment *e;
+    if (active_a && active_b) {
+        alpha = yci_raise(0.5 * (yci_build_share(b, a) + yci_build_share(b, a + 1)));
+        e = YCI_PUSH(b, segment);
+        if (!e) return 0;
+        e->a = b->cloth->visit + a, e->b = e->a + 1;
+        e->stretch = alpha * material->stretch, e->density = alpha * material->density, e->previous = 0.0;
+    }
+    if (alpha < 1.0 && b->yarns->triangle) {
+        int full_a = b->m->role[b->cloth->node + b->yarns->visit_node[a]] == YCI_FULL;
+        int full_b = b->m->role[b->cloth->node + b->yarns->visit_node[a + 1]] == YCI_FULL;
+        /* A full node's vertices may have left the mechanics: then the other end takes all. */
+        double half = 0.5 * (1.0 - alpha) * mass;
+        yci_build_vertex_mass(b, full_a && !full_b ? a + 1 : a, half);
+        yci_build_vertex_mass(b, full_b && !full_a ? a : a + 1, half);
+    }
+    return 1;
+}
+
+/* The two visits of a crossing: of the other yarn at a node, and both yarns' numbers. Filled once per cloth. */
+typedef struct yci_crossing {
+    int visit[2], yarn[2], count;
+} yci_crossing;
+
+static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *crossing) {
+    const yc_yarns *y = b->yarns;
+    const yc_yarn_material *material = yci_yarn_of(b, yarn);
+    int first = y->yarn_first[yarn], last = y->yarn_first[yarn + 1] - 1, a;
+    for (a = first; a < last; a++) {
+        const yci_crossing *here = crossing + y->visit_node[a], *next = crossing + y->visit_node[a + 1];
+        int active = yci_build_active(b, a) && yci_build_active(b, a + 1), base = b->cloth->visit + a;
+        double alpha, touching;
+        if (!yci_build_segment(b, yarn, a)) return 0;
+        if (active && a + 2 <= last && yci_build_active(b, a + 2) && material->bending > 0.0) {
+            yci_bend *e = YCI_PUSH(b, bend);
+            if (!e) return 0;
+            alpha = yci_raise((yci_build_share(b, a) + yci_build_share(b, a + 1) + yci_build_share(b, a + 2)) / 3.0);
+            e->a = base, e->b = base + 1, e->c = base + 2, e->stiffness = alpha * material->bending, e->previous = 0.0;
+        }
+        if (active && (b->m->visit_slot[base] >= 0 || b->m->visit_slot[base + 1] >= 0)) {
+            yci_adjacent *e = YCI_PUSH(b, adjacent);
+            double rest = y->visit_u[a + 1] - y->visit_u[a];
+            int parallel = here->count == 2 && next->count == 2; /* else the segment runs to an end: nothing to touch */
+            if (!e) return 0;
+            touching = parallel ? yci_yarn_of(b, here->yarn[here->yarn[0] == yarn])->radius +
+                    yci_yarn_of(b, next->yarn[next->yarn[0] == yarn])->radius
+                                : 0.0;
+            alpha = yci_raise(0.5 * (yci_build_share(b, a) + yci_build_share(b, a + 1)));
+            e->a = base, e->b = base + 1, e->stiffness = parallel ? alpha * material->contact : 0.0;
+            e->distance = yci_min(touching, 0.9 * rest);
+            e->hardness = alpha * 1e-3 * material->stretch, e->floor = 0.2 * rest;
+        }
+    }
+    return 1;
+}
+
+/* The up to four pairs of neighbouring segments at a crossing of warp and weft, their rest angle from the layout. */
+static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int node) {
+    const yc_yarns *y = b->yarns;
+    const yci_crossing *here = crossing + node;
+    const yc_yarn_material *p, *q;
+    int i, k;
+    if (here->count != 2 || y->yarn_family[here->yarn[0]] + y->yarn_family[here->yarn[1]] != YC_WARP + YC_WEFT)
+        return 1;
+    p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]);
+    for (i = 0; i < 4; i++) {
+        int node_of[3], visit, ends = 0;
+        double q9[9], e1[3], e2[3], alpha = 0.0;
+        yci_shear *e;
+        node_of[0] = node;
+        for (k = 0; k < 2; k++) {
+            visit = here->visit[k] + ((i >> k) & 1 ? 1 : -1);
+            if (visit < y->yarn_first[here->yarn[k]] || visit >= y->yarn_first[here->yarn[k] + 1]) break;
+            node_of[k + 1] = y->visit_node[visit], ends++;
+        }
+        if (ends < 2) continue;
+        for (k = 0; k < 3 && b->m->role[b->cloth->node + node_of[k]] != YCI_IDLE; k++) {
+            yci_copy(q9 + 3 * k, y->layout[node_of[k]]);
+            alpha += b->m->share[b->cloth->node + node_of[k]] / 3.0;
+        }
+        if (k < 3 || p->shear + q->shear <= 0.0) continue;
+        e = YCI_PUSH(b, shear);
+        if (!e) return 0;
+        for (k = 0; k < 3; k++) e->node[k] = b->cloth->node + node_of[k];
+        yci_sub(e1, q9 + 3, q9), yci_sub(e2, q9 + 6, q9);
+        e->length = 0.5 * (yci_norm(e1) + yci_norm(e2));
+        e->stiffness = yci_raise(alpha) * 0.5 * (p->shear + q->shear),
+        e->limit = yci_min(p->shear_limit, q->shear_limit);
+        e->rest = yci_yarn_shear_strain(q9), e->previous = e->rest;
+    }
+    return 1;
+}
+
+/* Which visits slide: crossings of full nodes, free, with mechanics on both sides. */
+static void yci_build_slots(const yci_build *b, const yci_crossing *crossing) {
+    const yc_yarns *y = b->yarns;
+    int yarn, visit, k;
+    for (visit = 0; visit < y->visit_count; visit++) b->m->visit_slot[b->cloth->visit + visit] = -1;
+    for (yarn = 0; yarn < y->yarn_count && !b->cloth->desc.hold_sliding; yarn++)
+        for (visit = y->yarn_first[yarn] + 1; visit < y->yarn_first[yarn + 1] - 1; visit++) {
+            int node = y->visit_node[visit], global = b->cloth->node + node;
+            if (y->visit_held[visit] || b->m->role[global] != YCI_FULL || b->m->held[global] ||
+                crossing[node].count != 2)
+                continue;
+            if (!yci_build_active(b, visit - 1) || !yci_build_active(b, visit + 1)) continue;
+            b->m->visit_slot[b->cloth->visit + visit] = 3;
+        }
+    for (k = 0; k < y->node_count; k++) { /* the second sliding visit of a node comes behind the first */
+        const yci_crossing *here = crossing + k;
+        if (here->count == 2 && b->m->visit_slot[b->cloth->visit + here->visit[0]] >= 0 &&
+            b->m->visit_slot[b->cloth->visit + here->visit[1]] >= 0)
+            b->m->visit_slot[b->cloth->visit + here->visit[1]] = 4;
+    }
+}
+
+static int yci_build_slides(const yci_build *b, const yci_crossing *crossing) {
+    int k, i;
+    for (k = 0; k < b->yarns->node_count; k++)
+        for (i = 0; i < crossing[k].count && crossing[k].count == 2; i++) {
+            const yc_yarn_material *p = yci_yarn_of(b, crossing[k].yarn[0]), *q = yci_yarn_of(b, crossing[k].yarn[1]);
+            int visit = b->cloth->visit + crossing[k].visit[i], j;
+            yci_slide *e;
+            if (b->m->visit_slot[visit] < 0) continue;
+            e = YCI_PUSH(b, slide);
+            if (!e) return 0;
+            for (j = 0; j < 2; j++) e->mate[j] = crossing[k].visit[i ^ j], e->yarn[j] = crossing[k].yarn[i ^ j];
+            e->visit = visit, e->cloth = (int)(b->cloth - b->s->cloth), e->stiffness = 0.5 * (p->slide + q->slide),
+            e->friction = 0.5 * (p->friction + q->friction), e->limit = 0.0;
+        }
+    return 1;
+}
+
+static int yci_build_yarns(yci_build *b) {
+    yci_context *c = &b->s->c;
+    const yc_yarns *y = b->yarns;
+    yci_crossing *crossing = YCI_NEW(c, yci_crossing, y->node_count);
+    int yarn, visit, node, ok = crossing != NULL;
+    for (yarn = 0; ok && yarn < y->yarn_count; yarn++)
+        for (visit = y->yarn_first[yarn]; visit < y->yarn_first[yarn + 1]; visit++) {
+            yci_crossing *at = crossing + y->visit_node[visit];
+            at->visit[at->count] = visit, at->yarn[at->count++] = yarn;
+        }
+    if (ok) yci_build_slots(b, crossing);
+    for (yarn = 0; ok && yarn < y->yarn_count; yarn++) ok = yci_build_yarn(b, yarn, crossing);
+    for (node = 0; ok && node < y->node_count; node++) ok = yci_build_shear(b, crossing, node);
+    ok = ok && yci_build_slides(b, crossing);
+    yci_free(c, crossing);
+    return ok;
+}
+
+/* ---- model: elements of triangles ---- */
+
+static void yci_cloth_uv(const yci_cloth *cloth, int triangle, double uv[6]) {
+    int k;
+    for (k = 0; k < 3; k++) {
+        const double *p = cloth->desc.mesh.uv[cloth->desc.mesh.uv_triangles[triangle][k]];
+        double factor = cloth->desc.prestretch ? cloth->desc.prestretch[triangle] : 1.0;
+        uv[2 * k] = p[0] * factor, uv[2 * k + 1] = p[1] * factor;
+    }
+}
+
+/* A triangle's weight in the mechanics, and whether it takes part at all. */
+static int yci_cloth_weight(const yci_cloth *cloth, int triangle, double *weight) {
+    double mean;
+    int region = yci_cloth_region(cloth, triangle, &mean);
+    *weight = cloth->desc.enrich_all && cloth->desc.yarns ? 0.0 : yci_raise(1.0 - mean);
+    return region != YCI_FULL;
+}
+
+static int yci_build_faces(yci_build *b) {
+    const yci_cloth *cloth = b->cloth;
+    const yc_triangle_material *material = &cloth->desc.material;
+    int t, k;
+    for (t = 0; t < cloth->desc.mesh.triangle_count; t++) {
+        double uv[6], weight;
+        yci_face *e;
+        if (!yci_cloth_weight(cloth, t, &weight) || weight <= 0.0) continue;
+        e = YCI_PUSH(b, face);
+        if (!e) return 0;
+        yci_cloth_uv(cloth, t, uv);
+        yci_triangle_rest(&e->rest, uv, cloth->desc.grain ? cloth->desc.grain[t] : 0.0, 1.0);
+        e->material[0] = weight * material->stretch[0], e->material[1] = weight * material->coupling;
+        e->material[2] = weight * material->stretch[1], e->material[3] = weight * material->shear;
+        yci_zero(e->previous, 3);
+        for (k = 0; k < 3; k++) {
+            e->node[k] = b->s->triangle[3 * (cloth->triangle + t) + k];
+            if (!b->yarns) b->m->mass_fixed[e->node[k]] += material->density * e->rest.area / 3.0;
+        }
+    }
+    return 1;
+}
+
+/* Where yarns are coarser than triangles, some vertices would be left without mass. Then this cloth's triangle mass is
+ * spread by area instead; the total stays. */
+static void yci_build_spread_mass(yci_build *b, int first_face) {
+    yci_model *m = b->m;
+    double total = 0.0, area = 0.0;
+    int i, k, poor = 0;
+    for (i = first_face; i < m->face_count; i++) area += m->face[i].material[0] * m->face[i].rest.area;
+    for (i = b->cloth->vertex; i < b->cloth->vertex + b->cloth->desc.mesh.vertex_count; i++) total += m->mass_fixed[i];
+    if (area <= 0.0 || total <= 0.0) return;
+    for (i = first_face; i < m->face_count; i++)
+        for (k = 0; k < 3; k++)
+            poor |=
+                m->mass_fixed[m->face[i].node[k]] < 0.02 * total * m->face[i].material[0] * m->face[i].rest.area / area;
+    if (!poor) return;
+    for (i = b->cloth->vertex; i < b->cloth->vertex + b->cloth->desc.mesh.vertex_count; i++) m->mass_fixed[i] = 0.0;
+    for (i = first_face; i < m->face_count; i++)
+        for (k = 0; k < 3; k++)
+            m->mass_fixed[m->face[i].node[k]] += total * m->face[i].material[0] * m->face[i].rest.area / (3.0 * area);
+}
+
+/* One side of an edge: its end vertices in ascending order, and the triangle it belongs to. */
+typedef struct yci_side {
+    int lo, hi, cloth, triangle, corner, forward;
+} yci_side;
+
+static int yci_side_before(const yci_side *a, const yci_side *b) {
+    if (a->lo != b->lo) return a->lo < b->lo;
+    if (a->hi != b->hi) return a->hi < b->hi;
+    return a->cloth != b->cloth ? a->cloth < b->cloth : a->triangle < b->triangle;
+}
+
+/* Bottom-up merge sort: stable, no recursion, the same order on every machine. */
+static void yci_side_sort(yci_side *list, yci_side *scratch, int count) {
+    yci_side *from = list, *to = scratch, *swap;
+    int width, i, a, b, k, mid, end;
+    for (width = 1; width < count; width *= 2) {
+        for (i = 0; i < count; i = end) {
+            mid = i + width < count ? i + width : count, end = mid + width < count ? mid + width : count;
+            for (a = i, b = mid, k = i; k < end; k++)
+                to[k] = a < mid && (b >= end || !yci_side_before(from + b, from + a)) ? from[a++] : from[b++];
+        }
+        swap = from, from = to, to = swap;
+    }
+    if (from != list && count) memcpy(list, from, (size_t)count * sizeof *list);
+}
+
+/* The rest angle of the seam that joins two vertices, 0 where none does. */
+static double yci_seam_angle(const yc_scene *s, int lo, int hi) {
+    int i, k;
+    for (i = 0; i < s->seam_count; i++)
+        for (k = 0; s->welded[i] && s->seam[i].desc.rest_angle != 0.0 && k + 1 < s->seam[i].desc.count; k++) {
+            int p = s->weld[s->seam[i].a[k]], q = s->weld[s->seam[i].a[k + 1]];
+            if ((p == lo && q == hi) || (p == hi && q == lo)) return s->seam[i].desc.rest_angle;
+        }
+    return 0.0;
+}
+
+static int yci_build_hinge(const yci_build *b, const yci_side *p, const yci_side *q) {
+    const yci_side *side[2];
+    double length = 0.0, area = 0.0, weight = 0.0, rigidity = 0.0;
+    yci_hinge *e;
+    int k;
+    side[0] = p->forward ? p : q, side[1] = p->forward ? q : p;
+    if (p->forward == q->forward) return 1; /* wound against each other: refused when the mesh or seam was added */
+    for (k = 0; k < 2; k++) {
+        const yci_cloth *cloth = b->s->cloth + side[k]->cloth;
+        yci_membrane rest;
+        double uv[6], edge[3] = {0.0, 0.0, 0.0}, w;
+        int from = side[k]->corner, to = (from + 1) % 3;
+        yci_cloth_weight(cloth, side[k]->triangle, &w);
+        yci_cloth_uv(cloth, side[k]->triangle, uv);
+        yci_triangle_rest(&rest, uv, 0.0, 1.0);
+        edge[0] = uv[2 * to] - uv[2 * from], edge[1] = uv[2 * to + 1] - uv[2 * from + 1];
+        length += 0.5 * yci_norm(edge), area += rest.area, weight += 0.5 * w;
+        rigidity += 0.5 * cloth->desc.material.bending;
+    }
+    if (rigidity <= 0.0 || weight <= 0.0) return 1;
+    e = YCI_PUSH(b, hinge);
+    if (!e) return 0;
+    e->node[0] = p->lo, e->node[1] = p->hi;
+    for (k = 0; k < 2; k++)
+        e->node[2 + k] =
+            b->s->triangle[3 * (b->s->cloth[side[k]->cloth].triangle + side[k]->triangle) + (side[k]->corner + 2) % 3];
+    e->stiffness = weight * rigidity * length * length / area, e->rest = yci_seam_angle(b->s, p->lo, p->hi),
+    e->previous = e->rest;
+    return 1;
+}
+
+/* Hinges of all cloths together, so that a welded seam bends like the rest; and the edges, for contact. */
+static int yci_build_hinges(yci_build *b) {
+    yci_context *c = &b->s->c;
+    yci_side *side = YCI_NEW(c, yci_side, 6 * (size_t)b->s->triangles), *scratch = side + 3 * (size_t)b->s->triangles;
+    int i, t, k, count = 0, ok = side != NULL;
+    for (i = 0; ok && i < b->s->cloth_count; i++)
+        for (t = 0; t < b->s->cloth[i].desc.mesh.triangle_count; t++) {
+            double weight;
+            if (!yci_cloth_weight(b->s->cloth + i, t, &weight)) continue;
+            for (k = 0; k < 3; k++) {
+                const int *v = b->s->triangle + 3 * (b->s->cloth[i].triangle + t);
+                yci_side *x = side + count++;
+                x->forward = v[k] < v[(k + 1) % 3];
+                x->lo = x->forward ? v[k] : v[(k + 1) % 3], x->hi = x->forward ? v[(k + 1) % 3] : v[k];
+                x->cloth = i, x->triangle = t, x->corner = k;
+            }
+        }
+    if (ok) yci_side_sort(side, scratch, count);
+    for (i = 0; ok && i < count; i++) {
+        int pair = i + 1 < count && side[i].lo == side[i + 1].lo && side[i].hi == side[i + 1].hi;
+        if (b->s->desc.self_contact) {
+            int *e;
+            ok = (e = YCI_PUSH(b, edge)) != NULL;
+            if (ok) *e = side[i].lo;
+            ok = ok && (e = YCI_PUSH(b, edge)) != NULL;
+            if (ok) *e = side[i].hi;
+        }
+        if (ok && pair) ok = yci_build_hinge(b, side + i, side + i + 1), i++;
+    }
+    yci_free(c, side);
+    return ok;
+}
+
+static int yci_build_stitches(yci_build *b) {
+    int i, k;
+    for (i = 0; i < b->s->seam_count; i++)
+        for (k = 0; !b->s->welded[i] && k < b->s->seam[i].desc.count; k++) {
+            int p = b->s->weld[b->s->seam[i].a[k]], q = b->s->weld[b->s->seam[i].b[k]];
+            yci_stitch *e;
+            if (p == q) continue;
+            e = YCI_PUSH(b, stitch);
+            if (!e) return 0;
+            e->node[0] = p, e->node[1] = q, e->seam = i, e->stiffness = b->s->seam[i].desc.stiffness;
+        }
+    return 1;
+}
+
+/* Points that feel bodies: vertices, full and hybrid yarn nodes, and triangle centres. */
+static int yci_build_probes(yci_build *b) {
+    yci_model *m = b->m;
+    yc_scene *s = b->s;
+    int i, k;
+    for (i = 0; i < s->nodes; i++) {
+        yci_probe *e;
+        if (m->role[i] == YCI_IDLE || m->share[i] <= 0.0) continue;
+        e = YCI_PUSH(b, probe);
+        if (!e) return 0;
+        e->count = 1, e->node[0] = i, e->weight = m->share[i],
+        e->thickness = i < s->vertices ? s->desc.thickness : m->radius[i - s->vertices];
+    }
+    for (i = 0; i < m->face_count; i++) {
+        yci_probe *e = YCI_PUSH(b, probe);
+        if (!e) return 0;
+        e->count = 3, e->weight = 0.0, e->thickness = s->desc.thickness;
+        for (k = 0; k < 3; k++) e->node[k] = m->face[i].node[k], e->weight += m->share[e->node[k]] / 3.0;
+    }
+    return 1;
+}
+
+/* ---- model: unknowns and the linear system ---- */
+
+/* Numbers the nodes that have unknowns: vertices first, yarn nodes behind, in the order of the scene. */
+static void yci_build_unknowns(yc_scene *s, yci_model *m, int *dim, int *count) {
+    int i, n = 0;
+    for (i = 0; i < s->nodes; i++) {
+        int active = m->role[i] != YCI_IDLE;
+        m->system_node[i] = !active ? -1 : m->held[i] ? -2 - m->pinned++ : n;
+        if (active && !m->held[i]) m->node_of[n] = i, dim[n++] = 3;
+    }
+    for (i = 0; i < s->visits; i++)
+        if (m->visit_slot[i] >= 0) dim[m->system_node[s->visit_node[i]]]++;
+    *count = n;
+}
+
+/* Couplings of an element's nodes, added to the list; a NULL list counts. */
+static size_t yci_build_couple(const yci_model *m, const int *node, int count, int (*pairs)[2], size_t at) {
+    int i, j;
+    for (i = 0; i < count; i++)
+        for (j = 0; j < i; j++) {
+            if (m->system_node[node[i]] < 0 || m->system_node[node[j]] < 0) continue;
+            if (pairs) pairs[at][0] = m->system_node[node[i]], pairs[at][1] = m->system_node[node[j]];
+            at++;
+        }
+    return at;
+}
+
+static size_t yci_build_couplings(const yc_scene *s, const yci_model *m, int (*pairs)[2]) {
+    size_t at = 0;
+    int i, node[3];
+    for (i = 0; i < m->segment_count; i++) {
+        node[0] = s->visit_node[m->segment[i].a], node[1] = s->visit_node[m->segment[i].b];
+        at = yci_build_couple(m, node, 2, pairs, at);
+    }
+    for (i = 0; i < m->bend_count; i++) {
+        node[0] = s->visit_node[m->bend[i].a], node[1] = s->visit_node[m->bend[i].b],
+        node[2] = s->visit_node[m->bend[i].c];
+        at = yci_build_couple(m, node, 3, pairs, at);
+    }
+    for (i = 0; i < m->shear_count; i++) at = yci_build_couple(m, m->shear[i].node, 3, pairs, at);
+    for (i = 0; i < m->face_count; i++) at = yci_build_couple(m, m->face[i].node, 3, pairs, at);
+    for (i = 0; i < m->hinge_count; i++) at = yci_build_couple(m, m->hinge[i].node, 4, pairs, at);
+    for (i = 0; i < m->stitch_count; i++) at = yci_build_couple(m, m->stitch[i].node, 2, pairs, at);
+    for (i = 0; i < m->pairs.count; i++)
+        at = yci_build_couple(m, m->pairs.pair[i].node, yci_pair_nodes(m->pairs.pair[i].kind), pairs, at);
+    return at;
+}
+
+/* The yarn nodes of the system in the order of their weft yarns, then what is left: the order of the incomplete factor.
+ */
+static int yci_build_order(const yc_scene *s, const yci_model *m, int *order, unsigned char *taken) {
+    int i, yarn, visit, pass, count = 0;
+    for (pass = 0; pass < 2; pass++)
+        for (i = 0; i < s->cloth_count; i++) {
+            const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
+            for (yarn = 0; y && yarn < y->yarn_count; yarn++) {
+                if (!pass && y->yarn_family[yarn] != YC_WEFT) continue;
+                for (visit = y->yarn_first[yarn]; visit < y->yarn_first[yarn + 1]; visit++) {
+                    int node = m->system_node[s->cloth[i].node + y->visit_node[visit]];
+                    if (node >= 0 && !taken[node]) taken[node] = 1, order[count++] = node;
+                }
+            }
+        }
+    return count;
+}
+
+static yc_solver yci_build_solver(const yc_scene *s, const yci_model *m) {
+    if (s->desc.solver == YC_SOLVER_AUTO) return m->hybrid ? YC_SOLVER_TWO_LEVEL : YC_SOLVER_DIRECT;
+    return s->desc.solver;
+}
+
+typedef struct yci_system_scratch {
+    int *dim, *vertex_node, *order, *triangle;
+    double *beta;
+    unsigned char *state, *is_yarn, *is_hybrid, *taken;
+    int (*pairs)[2];
+} yci_system_scratch;
+
+static void yci_build_input(yc_scene *s, yci_model *m, yci_system_scratch *w, yci_system_input *in) {
+    int i, k, n = in->n;
+    for (i = 0; i < s->vertices; i++) {
+        w->vertex_node[i] = m->system_node[i] >= 0 ? m->system_node[i] : -1;
+        w->state[i] = (unsigned char)(m->system_node[i] >= 0 ? 1 : m->system_node[i] <= -2 ? 2 : 0);
+    }
+    for (i = 0; i < n; i++) w->triangle[3 * i] = -1;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
+        int node;
+        for (node = 0; y && node < y->node_count; node++) {
+            int at = m->system_node[s->cloth[i].node + node];
+            if (at < 0) continue;
+            w->is_yarn[at] = 1, w->is_hybrid[at] = m->role[s->cloth[i].node + node] == YCI_HYBRID;
+            for (k = 0; y->triangle && k < 3; k++) {
+                w->triangle[3 * at + k] = s->triangle[3 * (s->cloth[i].triangle + y->triangle[node]) + k];
+                w->beta[3 * at + k] = y->weights[node][k];
+            }
+        }
+    }
+    in->order_count = yci_build_order(s, m, w->order, w->taken);
+    in->dim = w->dim, in->pair = (const int(*)[2])w->pairs, in->vertex_count = s->vertices,
+    in->vertex_node = w->vertex_node;
+    in->vertex_state = w->state, in->is_yarn = w->is_yarn, in->is_hybrid = w->is_hybrid;
+    in->triangle = (const int(*)[3])w->triangle, in->beta = (const double(*)[3])w->beta, in->order = w->order;
+    in->solver = yci_build_solver(s, m);
+}
+
+/* (Re)builds the system for the present elements and contact pairs. On failure the model has none. */
+static yc_result yci_build_system(yc_scene *s, yci_model *m) {
+    yci_context *c = &s->c;
+    yci_system_scratch w;
+    yci_system_input in;
+    yc_result result = YC_ERROR_MEMORY;
+    size_t n = (size_t)s->nodes;
+    if (m->has_system) yci_system_destroy(&m->system);
+    m->has_system = 0, m->pinned = 0;
+    memset(&w, 0, sizeof w), memset(&in, 0, sizeof in);
+    w.dim = YCI_NEW(c, int, n), w.vertex_node = YCI_NEW(c, int, s->vertices),
+    w.state = YCI_NEW(c, unsigned char, s->vertices);
+    if (w.dim && w.vertex_node && w.state) {
+        yci_build_unknowns(s, m, w.dim, &in.n);
+        in.pair_count = yci_build_couplings(s, m, NULL);
+        w.pairs = (int(*)[2])yci_alloc(c, in.pair_count, sizeof *w.pairs);
+        w.triangle = YCI_NEW(c, int, 3 * (size_t)in.n), w.beta = YCI_NEW(c, double, 3 * (size_t)in.n),
+        w.order = YCI_NEW(c, int, in.n);
+        w.is_yarn = YCI_NEW(c, unsigned char, in.n), w.is_hybrid = YCI_NEW(c, unsigned char, in.n),
+        w.taken = YCI_NEW(c, unsigned char, in.n);
+        if (w.pairs && w.triangle && w.beta && w.order && w.is_yarn && w.is_hybrid && w.taken) {
+            yci_build_couplings(s, m, w.pairs);
+            yci_build_input(s, m, &w, &in);
+            if (in.solver == YC_SOLVER_DIRECT && m->hybrid)
+                result = yci_fail(
+                    c, YC_ERROR_ARGUMENT, "scene.solver: YC_SOLVER_DIRECT cannot solve the %d hybrid nodes", m->hybrid);
+            else result = yci_system_create(c, &in, &m->system);
+            m->solver = in.solver;
+        }
+    }
+    yci_free(c, w.dim), yci_free(c, w.vertex_node), yci_free(c, w.state), yci_free(c, w.pairs), yci_free(c, w.triangle);
+    yci_free(c, w.beta), yci_free(c, w.order), yci_free(c, w.is_yarn), yci_free(c, w.is_hybrid), yci_free(c, w.taken);
+    if (result == YC_ERROR_MEMORY) return yci_out_of_memory(c, "the linear system");
+    if (result != YC_OK) return result;
+    m->has_system = 1, m->hybrid_vertices = m->hybrid ? m->system.mixed.t_count : 0;
+    return YC_OK;
+}
+
+/* What contact needs: radii of yarn nodes, the faces' nodes, rest positions with pattern pieces far apart. */
+static int yci_build_contact(yci_build *b) {
+    yc_scene *s = b->s;
+    yci_model *m = b->m;
+    yci_context *c = &s->c;
+    int i, k, visit, t;
+    m->radius = YCI_NEW(c, double, s->nodes - s->vertices);
+    if (!m->radius) return 0;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
+        for (k = 0; y && k < y->yarn_count; k++)
+            for (visit = y->yarn_first[k]; visit < y->yarn_first[k + 1]; visit++) {
+                double *r = m->radius + s->cloth[i].node - s->vertices + y->visit_node[visit];
+                *r = yci_max(*r, y->materials[y->yarn_material[k]].radius);
+            }
+    }
+    if (!yci_build_probes(b)) return 0;
+    if (!s->desc.self_contact) return 1;
+    m->rest = YCI_NEW(c, double, 3 * (size_t)s->nodes), m->face_node = YCI_NEW(c, int, 3 * (size_t)m->face_count);
+    m->closed = YCI_NEW(c, int, s->nodes);
+    if (!m->rest || !m->face_node || !m->closed) return 0;
+    for (i = 0; i < 3 * m->face_count; i++) m->face_node[i] = m->face[i / 3].node[i % 3];
+    for (i = 0; i < s->nodes; i++) {
+        int *ball;
+        m->closed[i] = i < s->vertices ? s->weld[i] : i;
+        if (m->role[i] != YCI_FULL && !(i < s->vertices && m->role[i] == YCI_TRIANGLE && m->share[i] > 0.0)) continue;
+        ball = YCI_PUSH(b, ball);
+        if (!ball) return 0;
+        *ball = i;
+    }
+    for (i = 0; i < s->cloth_count; i++) {
+        const yci_cloth *cloth = s->cloth + i;
+        const yc_yarns *y = yci_cloth_yarns(cloth);
+        for (t = 0; t < cloth->desc.mesh.triangle_count; t++)
+            for (k = 0; k < 3; k++)
+                memcpy(m->rest + 3 * s->triangle[3 * (cloth->triangle + t) + k],
+                    cloth->desc.mesh.uv[cloth->desc.mesh.uv_triangles[t][k]], 2 * sizeof(double));
+        for (t = 0; y && t < y->node_count; t++) yci_copy(m->rest + 3 * (cloth->node + t), y->layout[t]);
+    }
+    for (i = 0; i < s->seam_count; i++) /* Open seams count as closed: their sides do not repel each other. */
+        for (k = 0; k < s->seam[i].desc.count; k++) {
+            int p = m->closed[s->seam[i].a[k]], q = m->closed[s->seam[i].b[k]], v;
+            for (v = 0; p != q && v < s->vertices; v++)
+                if (m->closed[v] == (p > q ? p : q)) m->closed[v] = p < q ? p : q;
+        }
+    return 1;
+}
+
+static yc_result yci_scene_build(yc_scene *s) {
+    yci_context *c = &s->c;
+    yci_model *m;
+    yci_build b;
+    yc_result result;
+    int i, ok, first, size;
+    if (s->model) return YC_OK;
+    s->model = m = YCI_NEW(c, yci_model, 1);
+    if (!m) return yci_out_of_memory(c, "the model");
+    b.s = s, b.m = m;
+    m->held = YCI_NEW(c, unsigned char, s->nodes), m->holder = YCI_NEW(c, int, s->vertices);
+    m->role = YCI_NEW(c, unsigned char, s->nodes), m->share = YCI_NEW(c, double, s->nodes),
+    m->system_node = YCI_NEW(c, int, s->nodes);
+    m->node_of = YCI_NEW(c, int, s->nodes), m->visit_slot = YCI_NEW(c, int, s->visits),
+    m->mass = YCI_NEW(c, double, s->nodes);
+    m->mass_fixed = YCI_NEW(c, double, s->nodes), m->local = YCI_NEW(c, yci_local, YCI_CHUNK);
+    ok = m->held && m->holder && m->role && m->share && m->system_node && m->node_of && m->visit_slot && m->mass &&
+        m->mass_fixed && m->local;
+    if (ok) yci_build_roles(s, m), yci_build_holders(s, m);
+    for (i = 0; ok && i < s->cloth_count; i++) {
+        b.cloth = s->cloth + i, b.yarns = yci_cloth_yarns(b.cloth);
+        ok = !b.yarns || yci_build_yarns(&b);
+        first = m->face_count;
+        ok = ok && yci_build_faces(&b);
+        if (ok && b.yarns) yci_build_spread_mass(&b, first);
+    }
+    ok = ok && yci_build_hinges(&b) && yci_build_stitches(&b) && yci_build_contact(&b);
+    result = ok ? yci_build_system(s, m) : yci_out_of_memory(c, "the model");
+    if (result == YC_OK) {
+        size = yci_system_size(&m->system);
+        m->dof = YCI_NEW(c, double, 6 * (size_t)size + 3 * (size_t)m->pinned);
+        if (!m->dof) result = yci_out_of_memory(c, "the model");
+        else {
+            m->dof_n = m->dof + size, m->dof_free = m->dof_n + size, m->gradient = m->dof_free + size;
+            m->direction = m->gradient + size, m->right = m->direction + size, m->reaction = m->right + size;
+        }
+    }
+    if (result != YC_OK) yci_model_destroy(s);
+    return result;
+}
+
+/* ---- evaluation of one element ---- */
+
+static void yci_local_nodes(yci_local *out, int count, const int *node) {
+    int i;
+    out->nodes = count, out->dofs = 3 * count;
+    for (i = 0; i < count; i++) out->node[i] = node[i];
+    for (i = 0; i < 3 * count; i++) out->slot[i] = (signed char)(i / 3), out->comp[i] = (signed char)(i % 3);
+}
+
+static void yci_local_gather(const yc_scene *s, const yci_local *out, double *q) {
+    int i;
+    for (i = 0; i < out->nodes; i++) yci_copy(q + 3 * i, s->x + 3 * out->node[i]);
+}
+
+/* Appends u of a visit as the element's next unknown. */
+static void yci_local_slide(const yc_scene *s, yci_local *out, double *q, int slot, int visit) {
+    q[out->dofs] = s->u[visit];
+    out->slot[out->dofs] = (signed char)slot, out->comp[out->dofs] = (signed char)s->model->visit_slot[visit];
+    out->dofs++;
+}
+
+/* The unknowns of two or three visits: positions, and u of the first and the last. */
+static void yci_local_visits(const yc_scene *s, yci_local *out, double *q, int count, const int *visit) {
+    int i, node[3];
+    for (i = 0; i < count; i++) node[i] = s->visit_node[visit[i]];
+    yci_local_nodes(out, count, node);
+    yci_local_gather(s, out, q);
+    yci_local_slide(s, out, q, 0, visit[0]);
+    yci_local_slide(s, out, q, count - 1, visit[count - 1]);
+}
+
+static double yci_stitch_rest(const yc_scene *s, const yci_stitch *e) {
+    const yci_seam *seam = s->seam + e->seam;
+    double t = s->time + s->model->h - seam->start;
+    return t >= seam->desc.close_time ? 0.0 : seam->gap * (1.0 - t / seam->desc.close_time);
+}
+
+/* Spring of an open seam: 1/2 k (l - r)^2 for l > r, so that it only draws. Its Hessian keeps the stiffness across. */
+static void yci_eval_stitch(const yc_scene *s, const yci_stitch *e, int mode, yci_local *out) {
+    double q[6], d[3], up[3] = {0.0, 1.0, 0.0}, length, stretch, across;
+    int i, j;
+    yci_local_nodes(out, 2, e->node);
+    yci_local_gather(s, out, q);
+    yci_sub(d, q + 3, q);
+    length = yci_normalize(d, up);
+    stretch = yci_max(length - yci_stitch_rest(s, e), 0.0);
+    out->energy = 0.5 * e->stiffness * stretch * stretch;
+    if (!mode) return;
+    yci_scale(out->g + 3, d, e->stiffness * stretch), yci_scale(out->g, d, -e->stiffness * stretch);
+    across = stretch > 0.0 ? e->stiffness * stretch / length : 0.0;
+    for (i = 0; i < 6; i++)
+        for (j = 0; j < 6; j++) {
+            double along = stretch > 0.0 ? (e->stiffness - across) * d[i % 3] * d[j % 3] : 0.0;
+            out->h[6 * i + j] = (i / 3 == j / 3 ? 1.0 : -1.0) * (along + (i % 3 == j % 3 ? across : 0.0));
+        }
+}
+
+/* Penalty and friction in x_rel, spread to the nodes. `u` is the relative displacement over the step. */
+static void yci_eval_contact(const yc_scene *s, yci_local *out, double d, const double *n, const double *w,
+    double thickness, double stiffness, double limit, const double *lagged, const double *share, const double *u,
+    int mode) {
+    double g[3], h[9], lambda;
+    out->energy = yci_contact_normal(d, n, thickness, stiffness, &lambda, g, h);
+    if (mode) {
+        yci_zero(out->g, out->dofs), yci_zero(out->h, out->dofs * out->dofs);
+        if (lambda > 0.0) yci_contact_spread(out->nodes, w, g, h, out->g, out->h);
+    }
+    if (limit <= 0.0 || s->model->h <= 0.0) return;
+    out->energy += yci_contact_friction(u, lagged, limit, s->desc.slip_speed * s->model->h, g, h);
+    if (mode) yci_contact_spread(out->nodes, share, g, h, out->g, out->h);
+}
+
+/* Displacement of sum w_i x_i since the step's start. */
+static void yci_step_motion(const yc_scene *s, int count, const int *node, const double *w, double *u) {
+    double d[3];
+    int i;
+    yci_zero(u, 3);
+    for (i = 0; i < count; i++) {
+        yci_sub(d, s->x + 3 * node[i], s->x_n + 3 * node[i]);
+        yci_axpy(u, w[i], d);
+    }
+}
+
+static void yci_probe_place(const yc_scene *s, const yci_probe *p, double *x, double *w) {
+    int i;
+    yci_zero(x, 3);
+    for (i = 0; i < p->count; i++) w[i] = 1.0 / p->count, yci_axpy(x, w[i], s->x + 3 * p->node[i]);
+}
+
+static void yci_eval_touch(const yc_scene *s, const yci_touch *e, int mode, yci_local *out) {
+    const yci_probe *p = s->model->probe + e->probe;
+    const yci_body_sdf *body = s->body + e->body;
+    double x[3], w[3], n[3], u[3], moved[3], d;
+    yci_local_nodes(out, p->count, p->node);
+    yci_probe_place(s, p, x, w);
+    d = yci_body_distance(body, x, n);
+    yci_step_motion(s, p->count, p->node, w, u);
+    yci_body_motion(body, x, moved);
+    yci_axpy(u, -1.0, moved);
+    yci_eval_contact(s, out, d, n, w, p->thickness, p->weight * s->desc.contact_stiffness, body->friction * e->lambda,
+        e->normal, w, u, mode);
+}
+
+static void yci_eval_grip(const yc_scene *s, const yci_pair *pair, const yci_grip *e, int mode, yci_local *out) {
+    int count = yci_pair_nodes(pair->kind);
+    double n[3], w[4], u[3], d;
+    yci_local_nodes(out, count, pair->node);
+    d = yci_pair_distance(pair, s->x, n, w);
+    yci_step_motion(s, count, pair->node, e->share, u);
+    yci_eval_contact(s, out, d, n, w, pair->thickness, e->weight * s->desc.contact_stiffness,
+        s->desc.self_friction * e->lambda, e->normal, e->share, u, mode);
+}
+
+/* Element `i` of a kind at the present state: energy alone (mode 0), or with gradient and positive semidefinite
+ * Hessian. */
+static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *out) {
+    const yci_model *m = s->model;
+    double q[12], *g = mode ? out->g : NULL, *h = mode ? out->h : NULL;
+    switch (kind) {
+    case YCI_SEGMENT:
+    case YCI_GRAVITY: {
+        const yci_segment *e = m->segment + i;
+        int visit[2];
+        visit[0] = e->a, visit[1] = e->b;
+        yci_local_visits(s, out, q, 2, visit);
+        if (kind == YCI_GRAVITY) out->energy = yci_yarn_gravity(q, e->density, s->desc.gravity, g, h, 1);
+        else out->energy = yci_yarn_stretch(q, e->stretch, m->rate, e->previous, g, h, 1);
+        break;
+    }
+    case YCI_BEND: {
+        const yci_bend *e = m->bend + i;
+        int visit[3];
+        visit[0] = e->a, visit[1] = e->b, visit[2] = e->c;
+        yci_local_visits(s, out, q, 3, visit);
+        out->energy = yci_yarn_bend(q, e->stiffness, 0.0, 0.0, m->rate, e->previous, g, h, 1);
+        break;
+    }
+    case YCI_SHEAR: {
+        const yci_shear *e = m->shear + i;
+        yci_local_nodes(out, 3, e->node);
+        yci_local_gather(s, out, q);
+        out->energy =
+            yci_yarn_shear(q, e->stiffness, e->length, e->rest, e->limit, YCI_JAM_WIDTH, m->rate, e->previous, g, h, 1);
+        break;
+    }
+    case YCI_ADJACENT: {
+        const yci_adjacent *e = m->adjacent + i;
+        out->nodes = 2, out->dofs = 0;
+        out->node[0] = s->visit_node[e->a], out->node[1] = s->visit_node[e->b];
+        yci_local_slide(s, out, q, 0, e->a);
+        yci_local_slide(s, out, q, 1, e->b);
+        out->energy = yci_yarn_floor(q, e->hardness, e->floor, g, h);
+        if (e->stiffness > 0.0) {
+            double g2[2], h2[4];
+            int k;
+            out->energy += yci_yarn_contact(q, e->stiffness, e->distance, mode ? g2 : NULL, mode ? h2 : NULL);
+            for (k = 0; mode && k < 4; k++) h[k] += h2[k], g[k % 2] += k < 2 ? g2[k] : 0.0;
+        }
+        break;
+    }
+    case YCI_SLIDE: {
+        const yci_slide *e = m->slide + i;
+        out->nodes = 1, out->dofs = 0;
+        out->node[0] = s->visit_node[e->visit];
+        yci_local_slide(s, out, q, 0, e->visit);
+        out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, e->limit, g, h);
+        break;
+    }
+    case YCI_FACE: {
+        const yci_face *e = m->face + i;
+        yci_local_nodes(out, 3, e->node);
+        yci_local_gather(s, out, q);
+        out->energy = yci_triangle_membrane(q, &e->rest, e->material, m->rate, e->previous, g, h, 1);
+        break;
+    }
+    case YCI_HINGE: {
+        const yci_hinge *e = m->hinge + i;
+        yci_local_nodes(out, 4, e->node);
+        yci_local_gather(s, out, q);
+        out->energy = yci_triangle_hinge(q, e->stiffness, e->rest, m->rate, e->previous, g, h, 1);
+        break;
+    }
+    case YCI_STITCH: yci_eval_stitch(s, m->stitch + i, mode, out); break;
+    case YCI_TOUCH: yci_eval_touch(s, m->touch + i, mode, out); break;
+    default: yci_eval_grip(s, m->pairs.pair + i, m->grip + i, mode, out); break;
+    }
+}
+
+static int yci_count(const yci_model *m, int kind) {
+    switch (kind) {
+    case YCI_SEGMENT:
+    case YCI_GRAVITY: return m->segment_count;
+    case YCI_BEND: return m->bend_count;
+    case YCI_SHEAR: return m->shear_count;
+    case YCI_ADJACENT: return m->adjacent_count;
+    case YCI_SLIDE: return m->slide_count;
+    case YCI_FACE: return m->face_count;
+    case YCI_HINGE: return m->hinge_count;
+    case YCI_STITCH: return m->stitch_count;
+    case YCI_TOUCH: return m->touch_count;
+    default: return m->pairs.count;
+    }
+}
+
+/* ---- assembly ---- */
+
+/* Adds an element's gradient and Hessian to the system; at a pinned node the gradient goes to its reaction. */
+static void yci_local_scatter(yci_model *m, const yci_local *e) {
+    yci_bsr *a = &m->system.a;
+    double *block[4][4];
+    int i, j, node[4];
+    for (i = 0; i < e->nodes; i++) node[i] = m->system_node[e->node[i]];
+    for (i = 0; i < e->nodes; i++)
+        for (j = 0; j < e->nodes; j++)
+            block[i][j] = node[i] >= 0 && node[j] >= 0 ? a->val + a->at[yci_bsr_find(a, node[i], node[j])] : NULL;
+    for (i = 0; i < e->dofs; i++) {
+        int row = node[e->slot[i]];
+        if (e->comp[i] < 0) continue;
+        if (row <= -2) m->reaction[3 * (-2 - row) + e->comp[i]] += e->g[i];
+        if (row < 0) continue;
+        m->gradient[a->off[row] + e->comp[i]] += e->g[i];
+        for (j = 0; j < e->dofs; j++) {
+            int column = node[e->slot[j]];
+            if (column >= 0 && e->comp[j] >= 0)
+                block[e->slot[i]][e->slot[j]][e->comp[i] * a->dim[column] + e->comp[j]] += e->h[i * e->dofs + j];
+        }
+    }
+}
+
+typedef struct yci_chunk {
+    const yc_scene *s;
+    int kind, first, mode;
+} yci_chunk;
+
+static void yci_eval_block(void *arg, int begin, int end) {
+    const yci_chunk *chunk = (const yci_chunk *)arg;
+    int i;
+    for (i = begin; i < end; i++)
+        yci_eval(chunk->s, chunk->kind, chunk->first + i, chunk->mode, chunk->s->model->local + i);
+}
+
+/* The energy of one kind of element; with mode 1 also into gradient and matrix. Elements are evaluated in parallel and
+ * added in order, so the bits do not depend on the workers. */
+static double yci_assemble_kind(yc_scene *s, int kind, int mode) {
+    yci_model *m = s->model;
+    yci_chunk chunk;
+    double energy = 0.0;
+    int i, n, count = yci_count(m, kind);
+    chunk.s = s, chunk.kind = kind, chunk.mode = mode;
+    for (chunk.first = 0; chunk.first < count; chunk.first += YCI_CHUNK) {
+        n = count - chunk.first < YCI_CHUNK ? count - chunk.first : YCI_CHUNK;
+        yci_parallel(&s->c, n, 32, yci_eval_block, &chunk);
+        for (i = 0; i < n; i++) {
+            energy += m->local[i].energy;
+            if (mode) yci_local_scatter(m, m->local + i);
+        }
+    }
+    return energy;
+}
+
+/* ---- the incremental potential ---- */
+
+static void yci_dofs_get(const yc_scene *s, double *q) {
+    const yci_model *m = s->model;
+    int i;
+    for (i = 0; i < m->system.a.n; i++) yci_copy(q + m->system.a.off[i], s->x + 3 * m->node_of[i]);
+    for (i = 0; i < m->slide_count; i++) {
+        int visit = m->slide[i].visit;
+        q[m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit]] = s->u[visit];
+    }
+}
+
+static void yci_dofs_set(yc_scene *s, const double *q) {
+    const yci_model *m = s->model;
+    int i;
+    for (i = 0; i < m->system.a.n; i++) yci_copy(s->x + 3 * m->node_of[i], q + m->system.a.off[i]);
+    for (i = 0; i < m->slide_count; i++) {
+        int visit = m->slide[i].visit;
+        s->u[visit] = q[m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit]];
+    }
+}
+
+/* Masses at the step's start: blocks of the system, and translational masses of all nodes. */
+static void yci_masses(yc_scene *s) {
+    yci_model *m = s->model;
+    int i, end;
+    memset(m->system.mass, 0, m->system.mass_at[m->system.a.n] * sizeof(double));
+    memcpy(m->mass, m->mass_fixed, (size_t)s->nodes * sizeof(double));
+    for (i = 0; i < m->system.a.n; i++) {
+        double *block = m->system.mass + m->system.mass_at[i];
+        int d = m->system.a.dim[i];
+        block[0] = block[d + 1] = block[2 * d + 2] = m->mass_fixed[m->node_of[i]];
+    }
+    for (i = 0; i < m->segment_count; i++) {
+        const yci_segment *e = m->segment + i;
+        double du = s->u_n[e->b] - s->u_n[e->a], half = 0.5 * e->density * du, w[3];
+        yci_sub(w, s->x_n + 3 * s->visit_node[e->b], s->x_n + 3 * s->visit_node[e->a]);
+        yci_scale(w, w, 1.0 / du);
+        for (end = 0; end < 2; end++) {
+            int visit = end ? e->b : e->a, node = s->visit_node[visit], at = m->system_node[node], k, d;
+            double *block;
+            m->mass[node] += half;
+            if (at < 0) continue;
+            d = m->system.a.dim[at], block = m->system.mass + m->system.mass_at[at];
+            if (m->visit_slot[visit] >= 0) yci_yarn_inertia(half, w, m->visit_slot[visit] - 3, d, block);
+            else
+                for (k = 0; k < 3; k++) block[k * (d + 1)] += half;
+        }
+    }
+}
+
+/* The part of E that is made of masses: inertia about the free flight, mass damping about the start, gravity of the
+ * triangles' mass. */
+static double yci_inertia(yc_scene *s, int mode) {
+    yci_model *m = s->model;
+    const yci_bsr *a = &m->system.a;
+    double energy = 0.0, f = 1.0 / (m->h * m->h), c = s->desc.mass_damping / m->h, dof[8], lag[8];
+    int i, r, t;
+    for (i = 0; i < a->n; i++) {
+        const double *block = m->system.mass + m->system.mass_at[i];
+        double fixed = m->mass_fixed[m->node_of[i]];
+        int d = a->dim[i], o = a->off[i];
+        double *diagonal = a->val + a->at[a->diag[i]];
+        for (r = 0; r < d; r++) dof[r] = m->dof[o + r] - m->dof_free[o + r], lag[r] = m->dof[o + r] - m->dof_n[o + r];
+        for (r = 0; r < d; r++) {
+            double force = 0.0;
+            for (t = 0; t < d; t++) {
+                double mass = block[r * d + t];
+                force += mass * (f * dof[t] + c * lag[t]);
+                energy += 0.5 * mass * (f * dof[r] * dof[t] + c * lag[r] * lag[t]);
+                if (mode) diagonal[r * d + t] += mass * (f + c);
+            }
+            if (mode) m->gradient[o + r] += force;
+        }
+        energy -= fixed * yci_dot(s->desc.gravity, lag); /* measured from the start, where rounding is least */
+        if (mode) yci_axpy(m->gradient + o, -fixed, s->desc.gravity);
+    }
+    return energy;
+}
+
+/* E at the present state; with mode 1 its gradient and the matrix too. *scale receives the sum of |terms|. */
+static double yci_potential(yc_scene *s, int mode, double *scale) {
+    yci_model *m = s->model;
+    double energy, sum;
+    int kind;
+    if (mode) {
+        yci_bsr_zero(&m->system.a);
+        memset(m->gradient, 0, (size_t)yci_system_size(&m->system) * sizeof(double));
+        memset(m->reaction, 0, (size_t)(3 * m->pinned) * sizeof(double));
+    }
+    sum = energy = yci_inertia(s, mode);
+    for (kind = 0; kind < YCI_KINDS; kind++) {
+        double e = yci_assemble_kind(s, kind, mode);
+        energy += e, sum += fabs(e);
+    }
+    *scale = fabs(sum);
+    return energy;
+}
+
+/* ---- contact search ---- */
+
+/* Normal forces, normals and weights at the step's start, for friction. A body is where it was then. */
+static void yci_contact_lag(yc_scene *s) {
+    yci_model *m = s->model;
+    double g[3], h[9], w[3], x[3];
+    int i, k;
+    for (i = 0; i < m->touch_count; i++) {
+        yci_touch *e = m->touch + i;
+        const yci_probe *p = m->probe + e->probe;
+        yci_body_sdf before = s->body[e->body];
+        double d;
+        before.pose = s->pose[2 * e->body];
+        yci_zero(x, 3);
+        for (k = 0; k < p->count; k++) w[k] = 1.0 / p->count, yci_axpy(x, w[k], s->x_n + 3 * p->node[k]);
+        d = yci_body_distance(&before, x, e->normal);
+        yci_contact_normal(d, e->normal, p->thickness, p->weight * s->desc.contact_stiffness, &e->lambda, g, h);
+        yci_normalize(e->normal, e->normal);
+    }
+    for (i = 0; i < m->pairs.count; i++) {
+        yci_grip *e = m->grip + i;
+        double d = yci_pair_distance(m->pairs.pair + i, s->x_n, e->normal, e->share);
+        yci_contact_normal(
+            d, e->normal, m->pairs.pair[i].thickness, e->weight * s->desc.contact_stiffness, &e->lambda, g, h);
+    }
+}
+
+static yc_result yci_search_bodies(yc_scene *s) {
+    yci_model *m = s->model;
+    int i, j;
+    m->touch_count = 0;
+    for (i = 0; i < m->probe_count; i++)
+        for (j = 0; j < s->body_count; j++) {
+            const yci_probe *p = m->probe + i;
+            double x[3], w[3], n[3], reach = p->thickness + m->margin;
+            yci_touch *e;
+            yci_probe_place(s, p, x, w);
+            if (yci_body_bound(s->body + j, x) > reach || yci_body_distance(s->body + j, x, n) > reach) continue;
+            if (!YCI_RESERVE(&s->c, m->touch, m->touch_capacity, m->touch_count, m->touch_count + 1))
+                return yci_out_of_memory(&s->c, "contacts");
+            e = m->touch + m->touch_count++;
+            memset(e, 0, sizeof *e);
+            e->probe = i, e->body = j;
+        }
+    return YC_OK;
+}
+
+/* Leaves out pairs across a seam that is still open, and pairs that touch at rest. */
+static int yci_exclude_pair(void *user, const yci_pair *pair) {
+    const yci_model *m = (const yci_model *)user;
+    int side = yci_pair_side(pair->kind), count = yci_pair_nodes(pair->kind), i, j;
+    for (i = 0; i < side; i++)
+        for (j = side; j < count; j++)
+            if (m->closed[pair->node[i]] == m->closed[pair->node[j]]) return 1;
+    return yci_pairs_exclude_rest((void *)m->rest, pair);
+}
+
+/* Radii of what carries contact: half the thickness for triangles and their edges and vertices, the yarn's own for
+ * balls. */
+static void yci_pairs_radii(const yc_scene *s, yci_pairs_input *in, double *radius, unsigned char *sphere) {
+    const yci_model *m = s->model;
+    int i;
+    for (i = 0; i < in->triangle_count; i++) radius[i] = s->desc.thickness;
+    in->triangle_radius = radius, radius += in->triangle_count;
+    for (i = 0; i < in->edge_count; i++) radius[i] = s->desc.thickness;
+    in->edge_radius = radius, radius += in->edge_count;
+    for (i = 0; i < in->point_count; i++) {
+        int node = m->ball[i];
+        sphere[i] = node >= s->vertices;
+        radius[i] = sphere[i] ? m->radius[node - s->vertices] : s->desc.thickness;
+    }
+    in->point_radius = radius, in->sphere = sphere;
+}
+
+static double yci_pair_weight(const yci_model *m, const yci_pair *pair) {
+    double sum = 0.0;
+    int i, count = yci_pair_nodes(pair->kind);
+    for (i = 0; i < count; i++) sum += m->share[pair->node[i]];
+    return sum / count;
+}
+
+static int yci_pairs_fit(const yci_model *m) { /* whether the matrix has a place for every pair's coupling */
+    int i, j, k;
+    for (i = 0; i < m->pairs.count; i++)
+        for (j = 0; j < yci_pair_nodes(m->pairs.pair[i].kind); j++)
+            for (k = 0; k < j; k++) {
+                int a = m->system_node[m->pairs.pair[i].node[j]], b = m->system_node[m->pairs.pair[i].node[k]];
+                if (a >= 0 && b >= 0 && yci_bsr_find(&m->system.a, a, b) < 0) return 0;
+            }
+    return 1;
+}
+
+static yc_result yci_search_pairs(yc_scene *s) {
+    yci_model *m = s->model;
+    yci_context *c = &s->c;
+    yci_pairs_input in;
+    double *radius;
+    unsigned char *sphere;
+    yc_result result = YC_ERROR_MEMORY;
+    int i;
+    memset(&in, 0, sizeof in);
+    in.node_count = s->nodes, in.x = s->x, in.triangle_count = m->face_count, in.triangle = m->face_node;
+    in.edge_count = m->edge_count / 2, in.edge = m->edge, in.point_count = m->ball_count, in.point = m->ball;
+    in.margin = m->margin, in.exclude = yci_exclude_pair, in.exclude_user = m;
+    radius = YCI_NEW(c, double, in.triangle_count + in.edge_count + in.point_count),
+    sphere = YCI_NEW(c, unsigned char, in.point_count);
+    if (radius && sphere) {
+        yci_pairs_radii(s, &in, radius, sphere);
+        result = yci_pairs_find(c, &in, &m->pairs);
+    }
+    if (result == YC_OK && !YCI_RESERVE(c, m->grip, m->grip_capacity, 0, m->pairs.count)) result = YC_ERROR_MEMORY;
+    for (i = 0; result == YC_OK && i < m->pairs.count; i++) m->grip[i].weight = yci_pair_weight(m, m->pairs.pair + i);
+    if (result == YC_OK && !yci_pairs_fit(m)) result = yci_build_system(s, m);
+    yci_free(c, radius), yci_free(c, sphere);
+    return result == YC_ERROR_MEMORY ? yci_out_of_memory(c, "contacts") : result;
+}
+
+/* Finds what may touch while no node moves more than half the margin. */
+static yc_result yci_search(yc_scene *s) {
+    yci_model *m = s->model;
+    double fastest = 0.0;
+    yc_result result = YC_OK;
+    int i;
+    if (!s->body_count && !s->desc.self_contact) return YC_OK;
+    if (!m->searched && !(m->searched = YCI_NEW(&s->c, double, 6 * (size_t)s->nodes)))
+        return yci_out_of_memory(&s->c, "contacts");
+    for (i = 0; i < s->nodes; i++) fastest = yci_max(fastest, yci_dot(s->velocity + 3 * i, s->velocity + 3 * i));
+    m->margin = 2.0 * s->desc.thickness + yci_min(2.0 * m->h * sqrt(fastest), 20.0 * s->desc.thickness);
+    memcpy(m->searched, s->x, (size_t)(3 * s->nodes) * sizeof(double));
+    result = yci_search_bodies(s);
+    if (result == YC_OK && s->desc.self_contact) result = yci_search_pairs(s);
+    if (result == YC_OK) yci_contact_lag(s);
+    return result;
+}
+
+/* ---- Newton ---- */
+
+static double yci_seconds(void) {
+    clock_t ticks = clock();
+    return ticks == (clock_t)-1 ? 0.0 : (double)ticks / CLOCKS_PER_SEC;
+}
+
+/* Solves for the direction; the matrix and the gradient are those of the present state. */
+static yc_result yci_direction(yc_scene *s, yc_stats *stats) {
+    yci_model *m = s->model;
+    int i, size = yci_system_size(&m->system);
+    double slope = 0.0;
+    yc_result result = yci_system_factor(&m->system);
+    if (result != YC_OK) return result;
+    for (i = 0; i < size; i++) m->right[i] = -m->gradient[i];
+    if (m->solver == YC_SOLVER_DIRECT) {
+        memcpy(m->direction, m->right, (size_t)size * sizeof(double));
+        yci_system_direct(&m->system, m->direction);
+    } else
+        stats->linear +=
+            yci_system_mpcg(&m->system, m->right, m->direction, s->desc.linear_tolerance, s->desc.linear_limit);
+    for (i = 0; i < size; i++) slope += m->gradient[i] * m->direction[i];
+    m->slope = slope;
+    return slope <= 0.0 ? YC_OK : yci_fail(&s->c, YC_ERROR_DIVERGED, "no descent direction: slope %g", slope);
+}
+
+/* How much of the direction keeps every segment's rest length above a tenth of what it is, and nothing passes through
+ * anything else. */
+static double yci_step_limit(yc_scene *s, double longest) {
+    yci_model *m = s->model;
+    double limit = 1.0, *move = m->searched ? m->searched + 3 * s->nodes : NULL;
+    int i;
+    for (i = 0; i < m->segment_count; i++) {
+        int a = m->segment[i].a, b = m->segment[i].b;
+        double change = 0.0, du = s->u[b] - s->u[a];
+        if (m->visit_slot[a] >= 0)
+            change -= m->direction[m->system.a.off[m->system_node[s->visit_node[a]]] + m->visit_slot[a]];
+        if (m->visit_slot[b] >= 0)
+            change += m->direction[m->system.a.off[m->system_node[s->visit_node[b]]] + m->visit_slot[b]];
+        if (limit * change < -0.9 * du) limit = -0.9 * du / change;
+    }
+    if (!s->desc.self_contact || !move) return limit;
+    limit = yci_min(limit, 0.5 * m->margin / yci_max(longest, 1e-300));
+    memset(move, 0, (size_t)(3 * s->nodes) * sizeof(double));
+    for (i = 0; i < m->system.a.n; i++) yci_scale(move + 3 * m->node_of[i], m->direction + m->system.a.off[i], limit);
+    return limit * yci_pair_step_limit(m->pairs.pair, m->pairs.count, s->x, move);
+}
+
+/* Backtracks along the direction until E falls enough. A fall too small for E to resolve is taken on trust: there the
+ * quadratic model is exact to rounding. */
+static yc_result yci_line_search(yc_scene *s, double energy, double scale, double longest) {
+    yci_model *m = s->model;
+    int i, tries, size = yci_system_size(&m->system);
+    double t = yci_step_limit(s, longest), trial, unused;
+    memcpy(m->right, m->dof, (size_t)size * sizeof(double));
+    for (tries = 0; tries < 40; tries++, t *= 0.5) {
+        for (i = 0; i < size; i++) m->dof[i] = m->right[i] + t * m->direction[i];
+        yci_dofs_set(s, m->dof);
+        if (-t * m->slope < 1e-12 * scale) return YC_OK;
+        trial = yci_potential(s, 0, &unused);
+        if (trial <= energy + 1e-4 * t * m->slope) return YC_OK;
+    }
+    return yci_fail(&s->c, YC_ERROR_DIVERGED, "line search: energy %g J does not fall along a direction of slope %g",
+        energy, m->slope);
+}
+
+static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
+    yci_model *m = s->model;
+    yc_result result;
+    int iteration, i, size = yci_system_size(&m->system);
+    for (iteration = 0; iteration < s->desc.newton_limit; iteration++) {
+        double scale, energy, clock = yci_seconds();
+        if (iteration && m->searched && yci_pairs_drift(s->nodes, m->searched, s->x) > 0.25 * m->margin) {
+            result = yci_search(s);
+            if (result != YC_OK) return result;
+            yci_masses(s); /* the search may have made a new system */
+        }
+        energy = yci_potential(s, 1, &scale);
+        stats->seconds_assembly += yci_seconds() - clock, clock = yci_seconds();
+        result = yci_direction(s, stats);
+        stats->seconds_solve += yci_seconds() - clock, clock = yci_seconds();
+        if (result != YC_OK) return result == YC_ERROR_MEMORY ? result : YC_ERROR_DIVERGED;
+        stats->newton++, stats->correction = stats->residual = 0.0;
+        for (i = 0; i < size; i++) {
+            stats->correction = yci_max(stats->correction, fabs(m->direction[i]));
+            stats->residual = yci_max(stats->residual, fabs(m->gradient[i]));
+        }
+        if (!(stats->correction < 1e9))
+            return yci_fail(&s->c, YC_ERROR_DIVERGED, "a Newton step of %g m", stats->correction);
+        result = yci_line_search(s, energy, scale, stats->correction);
+        stats->seconds_assembly += yci_seconds() - clock;
+        if (result != YC_OK) return result;
+        if (stats->correction <= s->desc.tolerance) return YC_OK;
+    }
+    return yci_fail(&s->c, YC_ERROR_DIVERGED, "Newton: correction %g m after %d iterations, tolerance %g m",
+        stats->correction, s->desc.newton_limit, s->desc.tolerance);
+}
+
+/* ---- steps ---- */
+
+/* Strains at the step's start, for stiffness damping. */
+static void yci_strains(yc_scene *s) {
+    yci_model *m = s->model;
+    yci_local out;
+    double q[12];
+    int i;
+    for (i = 0; i < m->segment_count; i++) {
+        yci_local_visits(s, &out, q, 2, &m->segment[i].a);
+        m->segment[i].previous = yci_yarn_stretch_strain(q);
+    }
+    for (i = 0; i < m->bend_count; i++) {
+        yci_local_visits(s, &out, q, 3, &m->bend[i].a);
+        m->bend[i].previous = yci_yarn_bend_strain(q);
+    }
+    for (i = 0; i < m->shear_count; i++) {
+        yci_local_nodes(&out, 3, m->shear[i].node), yci_local_gather(s, &out, q);
+        m->shear[i].previous = yci_yarn_shear_strain(q);
+    }
+    for (i = 0; i < m->face_count; i++) {
+        yci_local_nodes(&out, 3, m->face[i].node), yci_local_gather(s, &out, q);
+        yci_triangle_membrane_strain(q, &m->face[i].rest, m->face[i].previous);
+    }
+    for (i = 0; i < m->hinge_count; i++) {
+        yci_local_nodes(&out, 4, m->hinge[i].node), yci_local_gather(s, &out, q);
+        m->hinge[i].previous = yci_triangle_hinge_strain(q);
+    }
+}
+
+/* The unit tangent of a yarn at a visit, one-sided at its ends. */
+static void yci_yarn_tangent(const yc_scene *s, const yci_cloth *cloth, int visit, int yarn, double *t) {
+    const double up[3] = {0.0, 1.0, 0.0};
+    const int *first = cloth->yarns.yarn_first + yarn;
+    int before = visit > first[0] ? visit - 1 : visit, after = visit + 1 < first[1] ? visit + 1 : visit;
+    yci_sub(t, s->x + 3 * s->visit_node[cloth->visit + after], s->x + 3 * s->visit_node[cloth->visit + before]);
+    yci_normalize(t, up);
+}
+
+/* The force of one yarn at a crossing, every visit offset by the yarn's radius to its side of the contact. */
+static void yci_yarn_press(
+    const yc_scene *s, const yci_cloth *cloth, int visit, int yarn, const double *n, double *force) {
+    const yc_yarns *y = &cloth->yarns;
+    const yc_yarn_material *material = y->materials + y->yarn_material[yarn];
+    double point[3][7];
+    int k, there[3];
+    for (k = 0; k < 3; k++) {
+        int at = visit + k - 1;
+        there[k] = at >= y->yarn_first[yarn] && at < y->yarn_first[yarn + 1];
+        if (!there[k]) continue;
+        yci_copy(point[k], s->x + 3 * s->visit_node[cloth->visit + at]);
+        yci_scale(point[k] + 3, n, material->radius * y->visit_layer[at]);
+        point[k][6] = s->u[cloth->visit + at];
+    }
+    yci_yarn_crossing_force(force, there[0] ? point[0] : NULL, point[1], there[2] ? point[2] : NULL, material->stretch,
+        material->bending, 0.0);
+}
+
+/* Compression at every sliding crossing, and with it what its friction can hold (YARN 4.3, 4.4). */
+static void yci_compress(yc_scene *s) {
+    yci_model *m = s->model;
+    int i, k;
+    for (i = 0; i < m->slide_count; i++) {
+        yci_slide *e = m->slide + i;
+        const yci_cloth *cloth = s->cloth + e->cloth;
+        const double up[3] = {0.0, 1.0, 0.0};
+        double t[2][3], n[3], force[2][3];
+        int weft = cloth->yarns.yarn_family[e->yarn[0]] == YC_WEFT ? 0 : 1,
+            low = cloth->yarns.visit_layer[e->mate[0]] < 0 ? 0 : 1;
+        for (k = 0; k < 2; k++) yci_yarn_tangent(s, cloth, e->mate[k], e->yarn[k], t[k]);
+        yci_cross(n, t[weft], t[!weft]); /* the pattern's u x v: from the lower layer to the upper */
+        yci_normalize(n, up);
+        for (k = 0; k < 2; k++) yci_yarn_press(s, cloth, e->mate[k], e->yarn[k], n, force[k]);
+        e->limit = e->friction * yci_yarn_compression(force[low], force[!low], n);
+    }
+}
+
+/* Where a moving body is after `share` of the way: rows between both poses, made orthonormal again. */
+static void yci_pose_between(const yci_pose *from, const yci_pose *to, double share, yci_pose *out) {
+    int i;
+    for (i = 0; i < 9; i++) out->r[i] = from->r[i] + share * (to->r[i] - from->r[i]);
+    for (i = 0; i < 3; i++) out->t[i] = from->t[i] + share * (to->t[i] - from->t[i]);
+    yci_normalize(out->r, to->r);
+    yci_axpy(out->r + 3, -yci_dot(out->r, out->r + 3), out->r);
+    yci_normalize(out->r + 3, to->r + 3);
+    yci_cross(out->r + 6, out->r, out->r + 3);
+}
+
+/* Moves what is prescribed: pins and bodies, `share` of what is left of their way. */
+static void yci_prescribe(yc_scene *s, double share) {
+    int i, k;
+    for (i = 0; i < s->nodes; i++)
+        for (k = 0; s->pin[i] && k < 3; k++)
+            s->x[3 * i + k] = s->x_n[3 * i + k] + share * (s->goal[3 * i + k] - s->x_n[3 * i + k]);
+    for (i = 0; i < s->vertices; i++) { /* a vertex without mechanics hands its motion to its yarn node */
+        int holder = s->model->holder[i];
+        if (!s->pin[i] || holder < 0) continue;
+        for (k = 0; k < 3; k++) s->x[3 * holder + k] = s->x_n[3 * holder + k] + s->x[3 * i + k] - s->x_n[3 * i + k];
+    }
+    for (i = 0; i < s->body_count; i++) {
+        yci_pose pose;
+        yci_pose_between(s->pose + 2 * i, s->pose + 2 * i + 1, share, &pose);
+        s->body[i].pose = s->pose[2 * i];
+        yci_body_move(s->body + i, pose.r, pose.t);
+    }
+}
+
+/* Makes the hybrid vertices the least-squares fit of their yarns, which they are up to rounding after a step. */
+static void yci_fit_vertices(yc_scene *s, double *x) {
+    yci_system *system = &s->model->system;
+    int i;
+    if (!s->model->hybrid) return;
+    for (i = 0; i < system->hybrid_count; i++)
+        yci_copy(system->p + 3 * i, x + 3 * s->model->node_of[system->hybrid_node[i]]);
+    yci_mixed_project(&system->mixed, system->p, x);
+}
+
+/* The step starts here. */
+static void yci_keep(yc_scene *s) {
+    memcpy(s->x_n, s->x, (size_t)(3 * s->nodes) * sizeof(double));
+    memcpy(s->u_n, s->u, (size_t)s->visits * sizeof(double));
+}
+
+static void yci_restore(yc_scene *s) {
+    int i;
+    memcpy(s->x, s->x_n, (size_t)(3 * s->nodes) * sizeof(double));
+    memcpy(s->u, s->u_n, (size_t)s->visits * sizeof(double));
+    for (i = 0; i < s->body_count; i++) s->body[i].pose = s->pose[2 * i];
+}
+
+/* One implicit step of h seconds, which is `share` of what is left of the user's step. On failure the state is as
+ * before. */
+static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stats) {
+    yci_model *m = s->model;
+    double clock = yci_seconds();
+    yc_result result;
+    int i, k, size;
+    m->h = h, m->rate = s->desc.stiffness_damping / h;
+    yci_fit_vertices(s, s->x);
+    yci_keep(s);
+    if (m->rate > 0.0) yci_strains(s);
+    yci_compress(s);
+    yci_prescribe(s, share);
+    result = yci_search(s);
+    stats->seconds_contact += yci_seconds() - clock;
+    if (result == YC_OK) {
+        size = yci_system_size(&m->system);
+        yci_masses(s);
+        yci_dofs_get(s, m->dof);
+        memcpy(m->dof_n, m->dof, (size_t)size * sizeof(double));
+        for (i = 0; i < m->system.a.n; i++)
+            for (k = 0; k < 3; k++)
+                m->dof_free[m->system.a.off[i] + k] =
+                    m->dof_n[m->system.a.off[i] + k] + h * s->velocity[3 * m->node_of[i] + k];
+        for (i = 0; i < m->slide_count; i++) {
+            int visit = m->slide[i].visit,
+                at = m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit];
+            m->dof_free[at] = m->dof_n[at] + h * s->slide[visit];
+        }
+        result = yci_newton(s, stats);
+    }
+    m->h = 0.0, m->rate = 0.0;
+    if (result != YC_OK) {
+        yci_restore(s);
+        return result;
+    }
+    for (i = 0; i < 3 * s->nodes; i++) s->velocity[i] = (s->x[i] - s->x_n[i]) / h;
+    for (i = 0; i < s->visits; i++) s->slide[i] = (s->u[i] - s->u_n[i]) / h;
+    for (i = 0; i < m->slide_count; i++)
+        s->anchor[m->slide[i].visit] = yci_yarn_friction_anchor(
+            s->u[m->slide[i].visit], s->anchor[m->slide[i].visit], m->slide[i].stiffness, m->slide[i].limit);
+    for (i = 0; i < s->body_count; i++) s->pose[2 * i] = s->body[i].pose;
+    s->time += h;
+    return YC_OK;
+}
+
+/* ---- welding ---- */
+
+/* The welded numbering that follows from the seams' flags: every vertex by the lowest one joined with it. */
+static void yci_reweld(yc_scene *s) {
+    int i, k, t, changed = 1;
+    for (i = 0; i < s->vertices; i++) s->weld[i] = i;
+    while (changed)
+        for (i = changed = 0; i < s->seam_count; i++)
+            for (k = 0; s->welded[i] && k < s->seam[i].desc.count; k++) {
+                int *a = s->weld + s->seam[i].a[k], *b = s->weld + s->seam[i].b[k];
+                if (*a < *b) *b = *a, changed = 1;
+                if (*b < *a) *a = *b, changed = 1;
+            }
+    for (i = 0; i < s->cloth_count; i++)
+        for (t = 0; t < s->cloth[i].desc.mesh.triangle_count; t++)
+            for (k = 0; k < 3; k++)
+                s->triangle[3 * (s->cloth[i].triangle + t) + k] =
+                    s->weld[s->cloth[i].vertex + s->cloth[i].desc.mesh.triangles[t][k]];
+}
+
+static int yci_seam_is_closed(const yc_scene *s, int seam) {
+    const yci_seam *x = s->seam + seam;
+    double d[3];
+    int k;
+    if (s->welded[seam] || s->time < x->start + x->desc.close_time) return 0;
+    for (k = 0; k < x->desc.count; k++) {
+        yci_sub(d, s->x + 3 * s->weld[x->a[k]], s->x + 3 * s->weld[x->b[k]]);
+        if (yci_norm(d) > x->desc.weld_distance) return 0;
+    }
+    return 1;
+}
+
+/* Gives all vertices of a weld the mean position and velocity, by mass, and the pins of any. sum is [7 vertices]. */
+static void yci_weld_state(yc_scene *s, double *sum) {
+    int i, k;
+    for (i = 0; i < s->vertices; i++) {
+        double *at = sum + 7 * s->weld[i], mass = s->model->mass_fixed[i] + 1e-30;
+        at[0] += mass;
+        yci_axpy(at + 1, mass, s->x + 3 * i), yci_axpy(at + 4, mass, s->velocity + 3 * i);
+    }
+    for (i = 0; i < s->vertices; i++) {
+        int to = s->weld[i];
+        if (s->pin[to] || to == i) continue;
+        if (s->pin[i]) s->pin[to] = 1, yci_copy(s->goal + 3 * to, s->goal + 3 * i);
+    }
+    for (i = 0; i < s->vertices; i++) {
+        const double *at = sum + 7 * s->weld[i];
+        for (k = 0; k < 3; k++) s->x[3 * i + k] = at[1 + k] / at[0], s->velocity[3 * i + k] = at[4 + k] / at[0];
+    }
+}
+
+/* Welds the seams that have closed. The positions of vertices that are welded already must not be spread again: their
+ * representative speaks for them, so it is copied to all first. */
+static yc_result yci_weld_closed(yc_scene *s) {
+    double *sum;
+    int i, count = 0;
+    for (i = 0; i < s->seam_count; i++) count += yci_seam_is_closed(s, i);
+    if (!count) return YC_OK;
+    sum = YCI_NEW(&s->c, double, 7 * (size_t)s->vertices);
+    if (!sum) return yci_out_of_memory(&s->c, "welding");
+    for (i = 0; i < s->vertices; i++) {
+        yci_copy(s->x + 3 * i, s->x + 3 * s->weld[i]);
+        yci_copy(s->velocity + 3 * i, s->velocity + 3 * s->weld[i]);
+    }
+    for (i = 0; i < s->seam_count; i++)
+        if (yci_seam_is_closed(s, i)) {
+            s->welded[i] = 1;
+            yci_log(&s->c, "seam %d welded at %.3f s", i, s->time);
+        }
+    yci_reweld(s);
+    yci_weld_state(s, sum);
+    yci_free(&s->c, sum);
+    yci_model_destroy(s);
+    return YC_OK;
+}
+
+/* ---- state ---- */
+
+typedef struct yci_state_head {
+    char magic[8];
+    int vertices, nodes, visits, seams, bodies;
+    double time, dt;
+} yci_state_head;
+
+enum { YCI_STATE_ASK, YCI_STATE_WRITE, YCI_STATE_READ };
+
+static void yci_state_move(int way, char *buffer, size_t *at, void *data, size_t size) {
+    if (way == YCI_STATE_WRITE && size) memcpy(buffer + *at, data, size);
+    if (way == YCI_STATE_READ && size) memcpy(data, buffer + *at, size);
+    *at += size;
+}
+
+/* All arrays of the state to or from a buffer; returns its size. */
+static size_t yci_state_pass(yc_scene *s, int way, char *buffer) {
+    size_t at = sizeof(yci_state_head), nodes = (size_t)s->nodes, visits = (size_t)s->visits;
+    yci_state_move(way, buffer, &at, s->x, 3 * nodes * sizeof(double));
+    yci_state_move(way, buffer, &at, s->velocity, 3 * nodes * sizeof(double));
+    yci_state_move(way, buffer, &at, s->goal, 3 * nodes * sizeof(double));
+    yci_state_move(way, buffer, &at, s->pin, nodes);
+    yci_state_move(way, buffer, &at, s->u, visits * sizeof(double));
+    yci_state_move(way, buffer, &at, s->slide, visits * sizeof(double));
+    yci_state_move(way, buffer, &at, s->anchor, visits * sizeof(double));
+    yci_state_move(way, buffer, &at, s->welded, (size_t)s->seam_count);
+    yci_state_move(way, buffer, &at, s->pose, 2 * (size_t)s->body_count * sizeof(yci_pose));
+    return at;
+}
+
+static void yci_state_head_make(const yc_scene *s, yci_state_head *head) {
+    memset(head, 0, sizeof *head);
+    memcpy(head->magic, "yarnst01", 8);
+    head->vertices = s->vertices, head->nodes = s->nodes, head->visits = s->visits;
+    head->seams = s->seam_count, head->bodies = s->body_count, head->time = s->time, head->dt = s->dt;
+}
+
+static void yci_state_write(yc_scene *s, char *buffer) {
+    yci_state_head head;
+    yci_state_head_make(s, &head);
+    memcpy(buffer, &head, sizeof head);
+    yci_state_pass(s, YCI_STATE_WRITE, buffer);
+}
+
+/* The model goes when pins or welds differ; `fresh` makes it go anyway, so that nothing of the past is left in it. */
+static void yci_state_read(yc_scene *s, const char *buffer, int fresh) {
+    yci_state_head head;
+    int i;
+    memcpy(&head, buffer, sizeof head);
+    if (fresh ||
+        memcmp(s->welded,
+            buffer + yci_state_pass(s, YCI_STATE_ASK, NULL) - (size_t)s->seam_count -
+                2 * (size_t)s->body_count * sizeof(yci_pose),
+            (size_t)s->seam_count))
+        yci_model_destroy(s);
+    yci_state_pass(s, YCI_STATE_READ, (char *)buffer);
+    s->time = head.time, s->dt = head.dt;
+    for (i = 0; i < s->body_count; i++) s->body[i].pose = s->pose[2 * i];
+    yci_reweld(s);
+}
+
+YC_API yc_result yc_scene_save(yc_scene *s, void *buffer, size_t *size) {
+    size_t need = yci_state_pass(s, YCI_STATE_ASK, NULL);
+    if (!size) return yci_fail(&s->c, YC_ERROR_ARGUMENT, "size is NULL");
+    if (!buffer) {
+        *size = need;
+        return YC_OK;
+    }
+    if (*size < need)
+        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "size = %lu bytes, the state needs %lu", (unsigned long)*size,
+            (unsigned long)need);
+    yci_model_destroy(s);
+    yci_state_write(s, (char *)buffer);
+    *size = need;
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_load(yc_scene *s, const void *buffer, size_t size) {
+    yci_state_head head, own;
+    yci_state_head_make(s, &own);
+    if (!buffer || size != yci_state_pass(s, YCI_STATE_ASK, NULL))
+        return yci_fail(&s->c, YC_ERROR_PARSE, "a state of %lu bytes is not this scene's", (unsigned long)size);
+    memcpy(&head, buffer, sizeof head);
+    own.time = head.time, own.dt = head.dt;
+    if (memcmp(&head, &own, sizeof head) || !(head.time >= 0.0) || !(head.dt > 0.0))
+        return yci_fail(&s->c, YC_ERROR_PARSE, "the state is not this scene's");
+    yci_state_read(s, (const char *)buffer, 1);
+    return YC_OK;
+}
+
+/* ---- the user's step ---- */
+
+/* Sub-steps until dt is done. The caller restores the state when this fails. */
+static yc_result yci_advance(yc_scene *s, double dt, yc_stats *stats) {
+    double start = s->time, remaining = dt, h = yci_min(s->dt, s->desc.dt_max);
+    yc_result result;
+    int i;
+    while (remaining > 0.0) {
+        double pieces = ceil(remaining / h - 1e-9), step = remaining / yci_max(pieces, 1.0);
+        result = yci_weld_closed(s);
+        if (result == YC_OK) result = yci_scene_build(s);
+        if (result == YC_OK) result = yci_substep(s, step, step / remaining, stats);
+        if (result == YC_ERROR_DIVERGED && 0.5 * step >= s->desc.dt_min) {
+            h = 0.5 * step, stats->rejected++;
+            continue;
+        }
+        if (result != YC_OK) return result;
+        stats->substeps++;
+        remaining = pieces <= 1.0 ? 0.0 : remaining - step;
+        h = yci_min(2.0 * step, s->desc.dt_max);
+        if (s->c.host.progress && s->c.host.progress(s->c.host.user, 1.0 - remaining / dt))
+            return yci_fail(&s->c, YC_ERROR_CANCELLED, "cancelled by host.progress");
+    }
+    s->time = start + dt, s->dt = h;
+    for (i = 0; i < s->body_count; i++) s->pose[2 * i] = s->body[i].pose = s->pose[2 * i + 1];
+    return YC_OK;
+}
+
+static void yci_stats_fill(const yc_scene *s, yc_stats *stats) {
+    const yci_model *m = s->model;
+    int i;
+    stats->bytes = s->c.bytes, stats->bytes_peak = s->c.peak;
+    for (i = 0; i < s->seam_count; i++) stats->welded += s->welded[i];
+    if (!m) return;
+    stats->vertices = m->vertices, stats->full_nodes = m->full, stats->hybrid_nodes = m->hybrid,
+    stats->dummy_nodes = m->dummy;
+    stats->hybrid_vertices = m->hybrid_vertices, stats->dofs = yci_system_size(&m->system), stats->solver = m->solver;
+    stats->body_contacts = m->touch_count, stats->pair_contacts = m->pairs.count;
+}
+
+YC_API yc_result yc_scene_step(yc_scene *s, double dt, yc_stats *out) {
+    yc_stats stats;
+    char *before;
+    double clock = yci_seconds();
+    yc_result result;
+    memset(&stats, 0, sizeof stats);
+    if (!(dt > 0.0 && dt < 1e6))
+        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "dt = %g must be greater than 0 and below 1e6 s", dt);
+    before = (char *)yci_alloc(&s->c, yci_state_pass(s, YCI_STATE_ASK, NULL), 1);
+    if (!before) return yci_out_of_memory(&s->c, "the state before the step");
+    yci_state_write(s, before);
+    result = yci_advance(s, dt, &stats);
+    if (result != YC_OK) yci_state_read(s, before, 0);
+    yci_free(&s->c, before);
+    stats.seconds = yci_seconds() - clock;
+    yci_stats_fill(s, &stats);
+    if (out) *out = stats;
+    return result;
+}
+
+/* ---- what can be read ---- */
+
+YC_API yc_result yc_scene_energy(yc_scene *s, double terms[YC_TERM_COUNT]) {
+    static const int term_of[YCI_KINDS] = {YC_TERM_STRETCH, YC_TERM_GRAVITY, YC_TERM_BENDING, YC_TERM_SHEAR,
+        YC_TERM_ADJACENT, YC_TERM_SLIDE, YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY, YC_TERM_PAIR};
+    yci_model *m;
+    yc_result result = yci_scene_build(s);
+    int i, r, t, kind;
+    if (result != YC_OK) return result;
+    m = s->model;
+    yci_zero(terms, YC_TERM_COUNT);
+    yci_keep(s);
+    result = yci_search(s);
+    if (result != YC_OK) return result;
+    yci_masses(s);
+    for (kind = 0; kind < YCI_KINDS; kind++) terms[term_of[kind]] += yci_assemble_kind(s, kind, 0);
+    for (i = 0; i < s->nodes; i++) terms[YC_TERM_GRAVITY] -= m->mass_fixed[i] * yci_dot(s->desc.gravity, s->x + 3 * i);
+    for (i = 0; i < m->system.a.n; i++) yci_copy(m->dof + m->system.a.off[i], s->velocity + 3 * m->node_of[i]);
+    for (i = 0; i < m->slide_count; i++) {
+        int visit = m->slide[i].visit;
+        m->dof[m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit]] = s->slide[visit];
+    }
+    for (i = 0; i < m->system.a.n; i++)
+        for (r = 0; r < m->system.a.dim[i]; r++)
+            for (t = 0; t < m->system.a.dim[i]; t++)
+                terms[YC_TERM_KINETIC] += 0.5 *
+                    m->system.mass[m->system.mass_at[i] + (size_t)(r * m->system.a.dim[i] + t)] *
+                    m->dof[m->system.a.off[i] + r] * m->dof[m->system.a.off[i] + t];
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_momentum(yc_scene *s, double *mass, double linear[3], double angular[3]) {
+    yci_model *m;
+    yc_result result = yci_scene_build(s);
+    double p[3] = {0.0, 0.0, 0.0}, l[3] = {0.0, 0.0, 0.0}, total = 0.0, w[3], arm[3];
+    int i;
+    if (result != YC_OK) return result;
+    m = s->model;
+    yci_keep(s);
+    yci_masses(s);
+    for (i = 0; i < s->nodes; i++) {
+        total += m->mass[i];
+        yci_axpy(p, m->mass[i], s->velocity + 3 * i);
+        yci_cross(arm, s->x + 3 * i, s->velocity + 3 * i);
+        yci_axpy(l, m->mass[i], arm);
+    }
+    for (i = 0; i < m->segment_count; i++) { /* sliding carries mass along the yarn: c = x' - w u' */
+        const yci_segment *e = m->segment + i;
+        double half = 0.5 * e->density, slide = s->slide[e->a] + s->slide[e->b];
+        if (slide == 0.0) continue;
+        yci_sub(w, s->x + 3 * s->visit_node[e->b], s->x + 3 * s->visit_node[e->a]);
+        yci_axpy(p, -half * slide, w);
+        yci_cross(arm, s->x + 3 * s->visit_node[e->a], w);
+        yci_axpy(l, -half * s->slide[e->a], arm);
+        yci_cross(arm, s->x + 3 * s->visit_node[e->b], w);
+        yci_axpy(l, -half * s->slide[e->b], arm);
+    }
+    if (mass) *mass = total;
+    if (linear) yci_copy(linear, p);
+    if (angular) yci_copy(angular, l);
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_pin_force(const yc_scene *s, int cloth, yc_point kind, int index, double force[3]) {
+    yc_scene *scene = (yc_scene *)s; /* only its message may change */
+    int node;
+    yc_result result = yci_scene_point(scene, cloth, kind, index, &node);
+    if (result != YC_OK) return result;
+    if (!s->model || !s->pin[node])
+        return yci_fail(&scene->c, YC_ERROR_ARGUMENT, "%d of cloth %d has not been pinned in a step", index, cloth);
+    if (node < s->vertices && s->model->holder[node] >= 0) node = s->model->holder[node];
+    yci_zero(force, 3);
+    if (s->model->system_node[node] > -2) return YC_OK;
+    yci_copy(force, s->model->reaction + 3 * (-2 - s->model->system_node[node]));
+    yci_axpy(force, -s->model->mass_fixed[node], s->desc.gravity);
+    return YC_OK;
+}
+
+/* The affine map of the pattern that fits the full yarn nodes around a vertex best, taken at the vertex: where the
+ * vertex is seen to be when the triangles have left the mechanics there. sum holds the normal equations of (1, u, v),
+ * from node to value. */
+typedef struct yci_fit {
+    double a[9], b[9];
+} yci_fit;
+
+static void yci_fit_add(yci_fit *fit, const double *uv, const double *value) {
+    double row[3];
+    int i, j;
+    row[0] = 1.0, row[1] = uv[0], row[2] = uv[1];
+    for (i = 0; i < 3; i++)
+        for (j = 0; j < 3; j++) fit->a[3 * i + j] += row[i] * row[j], fit->b[3 * i + j] += row[i] * value[j];
+}
+
+/* The fit's value at its origin; with too few nodes their mean. */
+static int yci_fit_value(const yci_fit *fit, double *out) {
+    double inverse[9];
+    int k;
+    if (fit->a[0] <= 0.0) return 0;
+    if (fit->a[0] > 3.5 && yci_block_invert(3, fit->a, fit->a, inverse) > 1e-9)
+        for (k = 0; k < 3; k++)
+            out[k] = inverse[0] * fit->b[k] + inverse[1] * fit->b[3 + k] + inverse[2] * fit->b[6 + k];
+    else yci_scale(out, fit->b, 1.0 / fit->a[0]);
+    return 1;
+}
+
+/* Values (positions or velocities) of a cloth's vertices. */
+static yc_result yci_vertex_values(yc_scene *s, const yci_cloth *cloth, const double *value, double (*out)[3]) {
+    const yc_yarns *y = yci_cloth_yarns(cloth);
+    yci_fit *fit;
+    int i, k;
+    for (i = 0; i < cloth->desc.mesh.vertex_count; i++) yci_copy(out[i], value + 3 * s->weld[cloth->vertex + i]);
+    if (!y || !s->model->full) return YC_OK;
+    fit = YCI_NEW(&s->c, yci_fit, s->vertices);
+    if (!fit) return yci_out_of_memory(&s->c, "vertices under full yarns");
+    for (i = 0; i < y->node_count; i++)
+        for (k = 0; k < 3; k++) {
+            const int *corner = cloth->desc.mesh.uv_triangles[y->triangle[i]];
+            int vertex = s->weld[cloth->vertex + cloth->desc.mesh.triangles[y->triangle[i]][k]];
+            double uv[2];
+            if (s->model->role[vertex] != YCI_IDLE || s->model->role[cloth->node + i] != YCI_FULL) continue;
+            uv[0] = y->layout[i][0] - cloth->desc.mesh.uv[corner[k]][0],
+            uv[1] = y->layout[i][1] - cloth->desc.mesh.uv[corner[k]][1];
+            yci_fit_add(fit + vertex, uv, value + 3 * (cloth->node + i));
+        }
+    for (i = 0; i < cloth->desc.mesh.vertex_count; i++) {
+        int vertex = s->weld[cloth->vertex + i];
+        if (!s->pin[vertex]) yci_fit_value(fit + vertex, out[i]);
+    }
+    yci_free(&s->c, fit);
+    return YC_OK;
+}
+
+static yc_result yci_point_values(yc_scene *s, int cloth, yc_point kind, const double *value, double (*out)[3]) {
+    const yc_yarns *y;
+    yc_result result = yci_handle_check(&s->c, "cloth", cloth, s->cloth_count);
+    int i, k;
+    if (result != YC_OK) return result;
+    if (!out) return yci_fail(&s->c, YC_ERROR_ARGUMENT, "out is NULL");
+    result = yci_scene_build(s);
+    if (result != YC_OK) return result;
+    if (kind == YC_VERTEX) return yci_vertex_values(s, s->cloth + cloth, value, out);
+    y = yci_cloth_yarns(s->cloth + cloth);
+    for (i = 0; y && i < y->node_count; i++) {
+        int node = s->cloth[cloth].node + i;
+        yci_copy(out[i], value + 3 * node);
+        if (s->model->role[node] != YCI_IDLE || !y->triangle) continue;
+        yci_zero(out[i], 3); /* a dummy node follows the mesh */
+        for (k = 0; k < 3; k++)
+            yci_axpy(
+                out[i], y->weights[i][k], value + 3 * s->triangle[3 * (s->cloth[cloth].triangle + y->triangle[i]) + k]);
+    }
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_positions(yc_scene *s, int cloth, yc_point kind, double (*out)[3]) {
+    return yci_point_values(s, cloth, kind, s->x, out);
+}
+
+YC_API yc_result yc_scene_velocities(yc_scene *s, int cloth, yc_point kind, double (*out)[3]) {
+    return yci_point_values(s, cloth, kind, s->velocity, out);
+}
+
+YC_API yc_result yc_scene_sliding(yc_scene *s, int cloth, double *out) {
+    yc_result result = yci_handle_check(&s->c, "cloth", cloth, s->cloth_count);
+    if (result != YC_OK) return result;
+    if (s->cloth[cloth].desc.yarns)
+        memcpy(out, s->u + s->cloth[cloth].visit, (size_t)s->cloth[cloth].yarns.visit_count * sizeof *out);
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_triangles(yc_scene *s, int cloth, int (*out)[3]) {
+    yc_result result = yci_handle_check(&s->c, "cloth", cloth, s->cloth_count);
+    int i, k;
+    if (result != YC_OK) return result;
+    for (i = 0; i < s->cloth[cloth].desc.mesh.triangle_count; i++)
+        for (k = 0; k < 3; k++) {
+            int own = s->cloth[cloth].vertex + s->cloth[cloth].desc.mesh.triangles[i][k],
+                welded = s->weld[own] - s->cloth[cloth].vertex;
+            out[i][k] = welded >= 0 ? welded : own - s->cloth[cloth].vertex;
+        }
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_stress(yc_scene *s, int cloth, double *out) {
+    yc_result result = yci_handle_check(&s->c, "cloth", cloth, s->cloth_count);
+    const yci_model *m;
+    double *area;
+    int i, k, count;
+    if (result == YC_OK) result = yci_scene_build(s);
+    if (result != YC_OK) return result;
+    m = s->model, count = s->cloth[cloth].desc.mesh.vertex_count;
+    area = YCI_NEW(&s->c, double, 2 * (size_t)s->vertices);
+    if (!area) return yci_out_of_memory(&s->c, "stress");
+    for (i = 0; i < m->face_count; i++) {
+        const yci_face *e = m->face + i;
+        double q[9], strain[3], stress[3] = {0.0, 0.0, 0.0}, mean, half;
+        for (k = 0; k < 3; k++) yci_copy(q + 3 * k, s->x + 3 * e->node[k]);
+        yci_triangle_membrane_strain(q, &e->rest, strain);
+        yci_triangle_stress(stress, e->material, 1.0, strain);
+        mean = 0.5 * (stress[0] + stress[1]), half = 0.5 * (stress[0] - stress[1]);
+        for (k = 0; k < 3; k++) {
+            area[2 * e->node[k]] += e->rest.area;
+            area[2 * e->node[k] + 1] += e->rest.area * (mean + sqrt(half * half + stress[2] * stress[2]));
+        }
+    }
+    for (i = 0; i < count; i++) {
+        const double *at = area + 2 * s->weld[s->cloth[cloth].vertex + i];
+        out[i] = at[0] > 0.0 ? at[1] / at[0] : 0.0;
+    }
+    yci_free(&s->c, area);
+    return YC_OK;
+}
+
+/* =====================================================================================================================
+ * >>output   (chapter 12)
+ *
+ * Curves, tubes and a finer mesh, from plain arrays to plain arrays; no scene.
+ *
+ * Curves. At a crossing the contact plane is the one of both yarns' tangents, a tangent being the bisector of the two
+ * unit segments that meet at the node. The plane that fits all four segments best (YARN 3, by SVD) is the same where
+ * yarns run smoothly, but at a fold sharper than a right angle its normal jumps to an axis in the cloth; this one,
+ * which compression in the mechanics uses too, stays on the bisector. The pattern's layout decides the side, so that
+ * yarns may be listed in any direction. Splines are Catmull-Rom with knots at the square roots of the distances
+ * (Yuksel et al. 2011), as Hermite cubics: with chords p = b - a and q = c - b over knot intervals r and s the
+ * derivative at b is
+ *   m = (s/r p + r/s q) / (r + s).
+ *
+ * Tubes. Frames (t, n, t x n) are carried from point to point by two reflections (Wang et al. 2008, Table I): in the
+ * middle plane of both points, then in that of the reflected and the new tangent. Nothing turns about the tangent.
+ *
+ * Subdivision (Loop 1987). Edge vertices 3/8 (a + b) + 1/8 (c + d), on borders (a + b)/2. Old vertices of valence n
+ * (1 - n w) x + w sum, w = (5/8 - (3/8 + cos(2 pi/n)/4)^2)/n, on borders 3/4 x + 1/8 (a + b).
+ *
+ * Promises: every loop of yci_parallel writes what it owns, no sum crosses a block. Workspace: curves 28 bytes per
+ * visit, 8 per node and 4 per curve; tubes none; subdivision at most 20 bytes per triangle corner and 4 per vertex.
+ * ===================================================================================================================== */
+
+#define YCI_OUTPUT_GRAIN 64 /* curves or visits in a block of a parallel loop */
+#define YCI_OUTPUT_FAR 1e30 /* coordinates beyond this do not fit a float with room to spare */
+#define YCI_SIDES_MAX 64
+
+/* The bisector of the directions before -> here and here -> after, not of unit length. An end is given by `here` twice.
+ * Where the line turns straight back it is the direction after. */
+YC_FN void yci_bisector(const double *before, const double *here, const double *after, double *t) {
+    const double zero[3] = {0.0, 0.0, 0.0};
+    double previous[3], next[3];
+    yci_sub(previous, here, before), yci_normalize(previous, zero);
+    yci_sub(next, after, here), yci_normalize(next, zero);
+    yci_add(t, previous, next);
+    if (yci_norm(t) < 1e-9) yci_copy(t, next);
+}
+
+/* Derivative of the spline at b by its knots. A neighbour equal to b has no direction and leaves the other chord's. */
+YC_FN void yci_spline_slope(const double *a, const double *b, const double *c, double *m) {
+    double p[3], q[3], r, s;
+    yci_sub(p, b, a), yci_sub(q, c, b);
+    r = sqrt(yci_norm(p)), s = sqrt(yci_norm(q));
+    yci_zero(m, 3);
+    if (r > 0.0 && s > 0.0) yci_axpy(m, s / (r * (r + s)), p), yci_axpy(m, r / (s * (r + s)), q);
+    else if (r > 0.0) yci_axpy(m, 1.0 / r, p);
+    else if (s > 0.0) yci_axpy(m, 1.0 / s, q);
+}
+
+/* The spline between b and c, whose neighbours are a and d, at the share x of its knot interval. */
+YC_FN void yci_spline(const double *a, const double *b, const double *c, const double *d, double x, double *out) {
+    double chord[3], begin[3], end[3], interval;
+    yci_sub(chord, c, b);
+    interval = sqrt(yci_norm(chord));
+    yci_spline_slope(a, b, c, begin), yci_spline_slope(b, c, d, end);
+    yci_copy(out, b);
+    yci_axpy(out, x * x * (3.0 - 2.0 * x), chord);
+    yci_axpy(out, x * (1.0 - x) * (1.0 - x) * interval, begin);
+    yci_axpy(out, x * x * (x - 1.0) * interval, end);
+}
+
+static int yci_output_far(const double *x) {
+    return !(fabs(x[0]) <= YCI_OUTPUT_FAR && fabs(x[1]) <= YCI_OUTPUT_FAR && fabs(x[2]) <= YCI_OUTPUT_FAR);
+}
+
+static void yci_output_store(float *out, const double *x) {
+    out[0] = (float)x[0], out[1] = (float)x[1], out[2] = (float)x[2];
+}
+
+/* ---- curves ------------------------------------------------------------------------------------------------------ */
+
+typedef struct yci_curve_work {
+    const yc_yarns *yarns;
+    const double (*nodes)[3];
+    const yc_curve_desc *desc;
+    yc_curves *out;
+    int (*crossing)[2]; /* [node_count], the visits of a node, each plus one; 0: none */
+    int *yarn;          /* [visit_count], whose visit it is */
+    double (*point)[3]; /* [visit_count], where the spline passes */
+    int *begin;         /* [curve_count], first visit of each curve */
+} yci_curve_work;
+
+YC_API yc_curve_desc yc_curve_desc_default(void) {
+    yc_curve_desc desc;
+    memset(&desc, 0, sizeof desc);
+    desc.cookie = YCI_DESC_COOKIE, desc.steps = 4, desc.offset = 1.0;
+    return desc;
+}
+
+static yc_result yci_curves_check(yci_context *c, const yc_yarns *yarns, const yc_curve_desc *d, const yc_curves *out) {
+    yc_result r;
+    int i;
+    if (!yarns) return yci_fail(c, YC_ERROR_ARGUMENT, "yarns is NULL");
+    if (!d) return yci_fail(c, YC_ERROR_ARGUMENT, "curve descriptor is NULL");
+    if (!out) return yci_fail(c, YC_ERROR_ARGUMENT, "out is NULL");
+    if (d->cookie != YCI_DESC_COOKIE)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "curve.cookie: not made by yc_curve_desc_default()");
+    if (d->steps < 1 || d->steps > 64)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "curve.steps = %d must be 1 to 64", d->steps);
+    if (!(d->offset >= 0.0 && d->offset <= 10.0))
+        return yci_fail(c, YC_ERROR_ARGUMENT, "curve.offset = %g must be in [0, 10]", d->offset);
+    r = yci_yarns_check(c, yarns, NULL);
+    for (i = 0; r == YC_OK && i < yarns->material_count; i++)
+        if (yarns->materials[i].radius > YCI_OUTPUT_FAR)
+            r = yci_fail(
+                c, YC_ERROR_ARGUMENT, "yarns.materials[%d].radius = %g is beyond 1e30", i, yarns->materials[i].radius);
+    return r;
+}
+
+/* Finds the pieces of all yarns. With begin NULL it only counts; otherwise the arrays of out but points are written,
+ * and the first visit of each piece. Returns 0 when there are more points than an int counts. */
+static int yci_curves_cut(const yc_yarns *y, const yc_curve_desc *d, yc_curves *out, int *begin) {
+    int yarn, v, from;
+    out->curve_count = out->point_count = 0;
+    for (yarn = 0; yarn < y->yarn_count; yarn++)
+        for (v = y->yarn_first[yarn]; v < y->yarn_first[yarn + 1]; v++) {
+            from = v;
+            while (v < y->yarn_first[yarn + 1] && !(d->skip && d->skip[y->visit_node[v]])) v++;
+            if (v - from < 2) continue;
+            if (v - from - 1 > (INT_MAX - 1 - out->point_count) / d->steps) return 0;
+            if (begin) {
+                out->first[out->curve_count] = out->point_count, begin[out->curve_count] = from;
+                out->radius[out->curve_count] = (float)y->materials[y->yarn_material[yarn]].radius;
+                out->yarn[out->curve_count] = yarn;
+            }
+            out->curve_count++, out->point_count += (v - from - 1) * d->steps + 1;
+        }
+    if (begin) out->first[out->curve_count] = out->point_count;
+    return 1;
+}
+
+/* The yarn's bisector at a visit, in space or in the layout. */
+static void yci_curve_tangent(const yci_curve_work *w, const double (*x)[3], int visit, double *t) {
+    const yc_yarns *y = w->yarns;
+    const int *first = y->yarn_first + w->yarn[visit];
+    int before = visit > first[0] ? visit - 1 : visit, after = visit + 1 < first[1] ? visit + 1 : visit;
+    yci_bisector(x[y->visit_node[before]], x[y->visit_node[visit]], x[y->visit_node[after]], t);
+}
+
+/* The normal of the contact plane, on the side of u x v; zero where both yarns run the same way. */
+static void yci_curve_normal(const yci_curve_work *w, int a, int b, double *n) {
+    const double zero[3] = {0.0, 0.0, 0.0};
+    const double(*layout)[3] = (const double(*)[3])w->yarns->layout;
+    double s[3], t[3];
+    yci_curve_tangent(w, layout, a, s), yci_curve_tangent(w, layout, b, t);
+    yci_cross(n, s, t);
+    if (n[2] < 0.0) {
+        int swap = a;
+        a = b, b = swap;
+    }
+    yci_curve_tangent(w, w->nodes, a, s), yci_curve_tangent(w, w->nodes, b, t);
+    yci_cross(n, s, t), yci_normalize(n, zero);
+}
+
+static void yci_curve_offset(void *arg, int begin, int end) {
+    const yci_curve_work *w = (const yci_curve_work *)arg;
+    const yc_yarns *y = w->yarns;
+    int v;
+    for (v = begin; v < end; v++) {
+        int a = w->crossing[y->visit_node[v]][0] - 1, b = w->crossing[y->visit_node[v]][1] - 1;
+        double n[3], sum;
+        yci_copy(w->point[v], w->nodes[y->visit_node[v]]);
+        if (b < 0 || y->yarn_family[w->yarn[a]] == YC_ROD || y->yarn_family[w->yarn[b]] == YC_ROD) continue;
+        sum = y->materials[y->yarn_material[w->yarn[a]]].radius + y->materials[y->yarn_material[w->yarn[b]]].radius;
+        yci_curve_normal(w, a, b, n);
+        yci_axpy(w->point[v], 0.5 * sum * w->desc->offset * y->visit_layer[v], n);
+    }
+}
+
+/* A piece takes its directions from the whole yarn, also beyond its ends. */
+static void yci_curve_draw(void *arg, int begin, int end) {
+    const yci_curve_work *w = (const yci_curve_work *)arg;
+    int curve, i, steps = w->desc->steps;
+    for (curve = begin; curve < end; curve++) {
+        const int *first = w->yarns->yarn_first + w->out->yarn[curve];
+        int last = w->out->first[curve + 1] - 1;
+        for (i = w->out->first[curve]; i < last; i++) {
+            int v = w->begin[curve] + (i - w->out->first[curve]) / steps;
+            int before = v > first[0] ? v - 1 : v, after = v + 2 < first[1] ? v + 2 : v + 1;
+            double x[3], share = (double)((i - w->out->first[curve]) % steps) / steps;
+            yci_spline(w->point[before], w->point[v], w->point[v + 1], w->point[after], share, x);
+            yci_output_store(w->out->points[i], x);
+        }
+        yci_output_store(w->out->points[last], w->point[w->begin[curve] + (last - w->out->first[curve]) / steps]);
+    }
+}
+
+static yc_result yci_curves_fill(yci_context *c, yci_curve_work *w) {
+    const yc_yarns *y = w->yarns;
+    yc_result r = YC_OK;
+    int yarn, v, i;
+    for (i = 0; i < y->node_count; i++)
+        if (yci_output_far(w->nodes[i]))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "nodes[%d] = (%g, %g, %g) is not finite or beyond 1e30", i,
+                w->nodes[i][0], w->nodes[i][1], w->nodes[i][2]);
+    w->crossing = (int(*)[2])yci_alloc(c, (size_t)y->node_count, sizeof *w->crossing);
+    w->point = (double(*)[3])yci_alloc(c, (size_t)y->visit_count, sizeof *w->point);
+    w->yarn = YCI_NEW(c, int, y->visit_count);
+    w->begin = YCI_NEW(c, int, w->out->curve_count);
+    if (!w->crossing || !w->point || !w->yarn || !w->begin) r = yci_out_of_memory(c, "the curves");
+    if (r == YC_OK) {
+        for (yarn = 0; yarn < y->yarn_count; yarn++)
+            for (v = y->yarn_first[yarn]; v < y->yarn_first[yarn + 1]; v++) {
+                int *crossing = w->crossing[y->visit_node[v]];
+                crossing[crossing[0] != 0] = v + 1, w->yarn[v] = yarn;
+            }
+        yci_curves_cut(y, w->desc, w->out, w->begin);
+        yci_parallel(c, y->visit_count, YCI_OUTPUT_GRAIN, yci_curve_offset, w);
+        yci_parallel(c, w->out->curve_count, YCI_OUTPUT_GRAIN, yci_curve_draw, w);
+    }
+    yci_free(c, w->crossing), yci_free(c, w->point), yci_free(c, w->yarn), yci_free(c, w->begin);
+    return r;
+}
+
+YC_API yc_result yc_curves_make(const yc_host *host, const yc_yarns *yarns, const double (*nodes)[3],
+    const yc_curve_desc *desc, yc_curves *out, char *message) {
+    yci_context c;
+    yci_curve_work work;
+    yc_curves counts;
+    yc_result r = yci_context_init(&c, host);
+    memset(&work, 0, sizeof work), memset(&counts, 0, sizeof counts);
+    if (r == YC_OK) r = yci_curves_check(&c, yarns, desc, out);
+    if (r == YC_OK && !yci_curves_cut(yarns, desc, &counts, NULL))
+        r = yci_fail(&c, YC_ERROR_ARGUMENT, "curve.steps = %d makes more than %d points", desc->steps, INT_MAX);
+    if (r == YC_OK && !out->first && !out->points && !out->radius && !out->yarn) *out = counts;
+    else if (r == YC_OK && (!out->first || (counts.curve_count && (!out->points || !out->radius || !out->yarn))))
+        r = yci_fail(&c, YC_ERROR_ARGUMENT, "curves: either all arrays are NULL, or none");
+    else if (r == YC_OK && (out->curve_count != counts.curve_count || out->point_count != counts.point_count))
+        r = yci_fail(&c, YC_ERROR_ARGUMENT, "curves has room for %d curves and %d points, not %d and %d",
+            out->curve_count, out->point_count, counts.curve_count, counts.point_count);
+    else if (r == YC_OK && !nodes) r = yci_fail(&c, YC_ERROR_ARGUMENT, "nodes is NULL");
+    else if (r == YC_OK) {
+        work.yarns = yarns, work.nodes = nodes, work.desc = desc, work.out = out;
+        r = yci_curves_fill(&c, &work);
+    }
+    return yci_fabric_report(&c, r, message);
+}
+
+/* ---- tubes ------------------------------------------------------------------------------------------------------- */
+
+typedef struct yci_tube_work {
+    const yc_curves *curves;
+    yc_tubes *out;
+    int sides;
+    double turn[YCI_SIDES_MAX][2]; /* cosine and sine of each side's angle */
+} yci_tube_work;
+
+static void yci_tube_point(const yc_curves *u, int i, double *x) {
+    x[0] = (double)u->points[i][0], x[1] = (double)u->points[i][1], x[2] = (double)u->points[i][2];
+}
+
+/* Checks the curves and counts, or says why not. */
+static yc_result yci_tubes_check(yci_context *c, const yc_curves *u, int sides, const yc_tubes *out, yc_tubes *counts) {
+    double triangles;
+    int i;
+    if (!u) return yci_fail(c, YC_ERROR_ARGUMENT, "curves is NULL");
+    if (!out) return yci_fail(c, YC_ERROR_ARGUMENT, "out is NULL");
+    if (sides < 3 || sides > YCI_SIDES_MAX)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "sides = %d must be 3 to %d", sides, YCI_SIDES_MAX);
+    if (u->curve_count < 0) return yci_fail(c, YC_ERROR_ARGUMENT, "curves.curve_count = %d", u->curve_count);
+    if (!u->curve_count) return YC_OK;
+    if (!u->first || !u->points || !u->radius)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "curves.first, points or radius is NULL");
+    for (i = 0; i < u->curve_count; i++)
+        if (u->first[i] < 0 || u->first[i + 1] <= u->first[i] || u->first[i + 1] - u->first[i] < 2)
+            return yci_fail(c, YC_ERROR_ARGUMENT, "curves.first[%d] = %d, then %d: each curve needs two points", i,
+                u->first[i], u->first[i + 1]);
+    if (u->first[0] != 0 || u->first[u->curve_count] != u->point_count)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "curves.first runs from %d to %d, not from 0 to %d points", u->first[0],
+            u->first[u->curve_count], u->point_count);
+    for (i = 0; i < u->curve_count; i++)
+        if (!(u->radius[i] > 0.0f && (double)u->radius[i] <= YCI_OUTPUT_FAR))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "curves.radius[%d] = %g must be > 0", i, (double)u->radius[i]);
+    for (i = 0; i < u->point_count; i++) {
+        double x[3];
+        yci_tube_point(u, i, x);
+        if (yci_output_far(x))
+            return yci_fail(c, YC_ERROR_ARGUMENT, "curves.points[%d] = (%g, %g, %g) is not finite or beyond 1e30", i,
+                x[0], x[1], x[2]);
+    }
+    triangles = 2.0 * sides * u->point_count;
+    if (triangles > (double)INT_MAX)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "%d points with %d sides make too many triangles", u->point_count, sides);
+    counts->triangle_count = (int)triangles, counts->vertex_count = sides * u->point_count + 2 * u->curve_count;
+    return YC_OK;
+}
+
+/* The unit tangent at a point of a curve; where the neighbours fall on it, what t was before. */
+static void yci_tube_tangent(const yc_curves *u, int curve, int i, double *t) {
+    double before[3], here[3], after[3], old[3];
+    yci_tube_point(u, i > u->first[curve] ? i - 1 : i, before);
+    yci_tube_point(u, i, here);
+    yci_tube_point(u, i + 1 < u->first[curve + 1] ? i + 1 : i, after);
+    yci_copy(old, t);
+    yci_bisector(before, here, after, t);
+    yci_normalize(t, old);
+}
+
+/* Reflects a in the plane normal to v; does nothing where v is too short to have one. */
+YC_FN void yci_reflect(double *a, const double *v) {
+    double square = yci_dot(v, v);
+    if (square > 1e-290) yci_axpy(a, -2.0 * yci_dot(v, a) / square, v);
+}
+
+/* Carries n, perpendicular to the unit tangent t, over a step along the curve to the unit tangent t_next. */
+YC_FN void yci_frame_carry(const double *t, const double *step, const double *t_next, double *n) {
+    double turned[3], across[3];
+    yci_copy(turned, t);
+    yci_reflect(n, step), yci_reflect(turned, step);
+    yci_sub(across, t_next, turned);
+    yci_reflect(n, across);
+    yci_axpy(n, -yci_dot(n, t_next), t_next); /* rounding */
+    yci_perpendicular(across, t_next);
+    yci_normalize(n, across);
+}
+
+static void yci_tube_triangle(yc_tubes *out, int index, int a, int b, int c) {
+    out->triangles[index][0] = a, out->triangles[index][1] = b, out->triangles[index][2] = c;
+}
+
+static void yci_tube_ring(
+    const yci_tube_work *w, int vertex, const double *x, double radius, const double *t, const double *n) {
+    double b[3], d[3], p[3];
+    int j;
+    yci_cross(b, t, n);
+    for (j = 0; j < w->sides; j++) {
+        yci_scale(d, n, w->turn[j][0]), yci_axpy(d, w->turn[j][1], b);
+        yci_copy(p, x), yci_axpy(p, radius, d);
+        yci_output_store(w->out->positions[vertex + j], p), yci_output_store(w->out->normals[vertex + j], d);
+    }
+}
+
+/* The middle of a cap and its fan over the ring; sign -1 at the curve's beginning, 1 at its end. */
+static void yci_tube_cap(
+    const yci_tube_work *w, int middle, int ring, int triangle, const double *x, const double *t, double sign) {
+    double d[3];
+    int j;
+    yci_scale(d, t, sign);
+    yci_output_store(w->out->positions[middle], x), yci_output_store(w->out->normals[middle], d);
+    for (j = 0; j < w->sides; j++) {
+        int a = ring + j, b = ring + (j + 1) % w->sides;
+        yci_tube_triangle(w->out, triangle + j, middle, sign < 0.0 ? b : a, sign < 0.0 ? a : b);
+    }
+}
+
+static void yci_tube_sweep(void *arg, int begin, int end) {
+    const yci_tube_work *w = (const yci_tube_work *)arg;
+    const yc_curves *u = w->curves;
+    int curve, i, j, sides = w->sides;
+    for (curve = begin; curve < end; curve++) {
+        double x[3], t[3] = {1.0, 0.0, 0.0}, n[3], last[3], t_last[3], step[3];
+        int ring = sides * u->first[curve] + 2 * curve, triangle = 2 * sides * u->first[curve];
+        int middle = sides * u->first[curve + 1] + 2 * curve;
+        yci_tube_point(u, u->first[curve], x), yci_tube_tangent(u, curve, u->first[curve], t);
+        yci_perpendicular(n, t);
+        yci_tube_ring(w, ring, x, (double)u->radius[curve], t, n);
+        yci_tube_cap(w, middle, ring, triangle, x, t, -1.0), triangle += sides;
+        for (i = u->first[curve] + 1; i < u->first[curve + 1]; i++, ring += sides) {
+            yci_copy(last, x), yci_copy(t_last, t);
+            yci_tube_point(u, i, x), yci_tube_tangent(u, curve, i, t);
+            yci_sub(step, x, last), yci_frame_carry(t_last, step, t, n);
+            yci_tube_ring(w, ring + sides, x, (double)u->radius[curve], t, n);
+            for (j = 0; j < sides; j++, triangle += 2) {
+                int next = (j + 1) % sides;
+                yci_tube_triangle(w->out, triangle, ring + j, ring + next, ring + sides + next);
+                yci_tube_triangle(w->out, triangle + 1, ring + j, ring + sides + next, ring + sides + j);
+            }
+        }
+        yci_tube_cap(w, middle + 1, ring, triangle, x, t, 1.0);
+    }
+}
+
+YC_API yc_result yc_tubes_make(const yc_host *host, const yc_curves *curves, int sides, yc_tubes *out, char *message) {
+    yci_context c;
+    yci_tube_work work;
+    yc_tubes counts;
+    int j;
+    yc_result r = yci_context_init(&c, host);
+    memset(&counts, 0, sizeof counts);
+    if (r == YC_OK) r = yci_tubes_check(&c, curves, sides, out, &counts);
+    if (r == YC_OK && !out->positions && !out->normals && !out->triangles) *out = counts;
+    else if (r == YC_OK && (!out->positions || !out->normals || !out->triangles))
+        r = yci_fail(&c, YC_ERROR_ARGUMENT, "tubes: either all arrays are NULL, or none");
+    else if (r == YC_OK && (out->vertex_count != counts.vertex_count || out->triangle_count != counts.triangle_count))
+        r = yci_fail(&c, YC_ERROR_ARGUMENT, "tubes has room for %d vertices and %d triangles, not %d and %d",
+            out->vertex_count, out->triangle_count, counts.vertex_count, counts.triangle_count);
+    else if (r == YC_OK) {
+        work.curves = curves, work.out = out, work.sides = sides;
+        for (j = 0; j < sides; j++)
+            work.turn[j][0] = cos(2.0 * YCI_PI * j / sides), work.turn[j][1] = sin(2.0 * YCI_PI * j / sides);
+        yci_parallel(&c, curves->curve_count, YCI_OUTPUT_GRAIN, yci_tube_sweep, &work);
+    }
+    return yci_fabric_report(&c, r, message);
+}
+
+/* ---- finer mesh -------------------------------------------------------------------------------------------------- */
+
+/* The edges of a mesh by their half-edges: the second is -1 on a border. */
+typedef struct yci_finer {
+    const int (*triangles)[3];
+    int vertex_count, triangle_count, edge_count;
+    int (*half)[2]; /* [edge_count] */
+    int *edge;      /* [3 triangle_count], of each half-edge */
+} yci_finer;
+
+static void yci_finer_free(yci_context *c, yci_finer *m) { yci_free(c, m->half), yci_free(c, m->edge); }
+
+static yc_result yci_finer_number(yci_context *c, const int *order, yci_finer *m) {
+    int k, total = 3 * m->triangle_count, uses = 0;
+    for (k = 0; k < total; k++) {
+        uses = k && yci_half_same_edge(m->triangles, order[k - 1], order[k]) ? uses + 1 : 0;
+        if (uses > 1)
+            return yci_fail(c, YC_ERROR_TOPOLOGY, "triangles[%d], [%d] and [%d] share the edge of vertices %d and %d",
+                order[k - 2] / 3, order[k - 1] / 3, order[k] / 3, yci_half_key(m->triangles, order[k], 0),
+                yci_half_key(m->triangles, order[k], 1));
+        if (!uses) m->half[m->edge_count++][1] = -1;
+        m->half[m->edge_count - 1][uses] = order[k], m->edge[order[k]] = m->edge_count - 1;
+    }
+    return YC_OK;
+}
+
+static yc_result yci_finer_make(yci_context *c, yci_finer *m) {
+    yc_mesh mesh;
+    yc_result r = YC_OK;
+    int *order;
+    memset(&mesh, 0, sizeof mesh);
+    mesh.vertex_count = m->vertex_count, mesh.triangle_count = m->triangle_count, mesh.triangles = m->triangles;
+    order = yci_half_order(c, &mesh);
+    m->half = (int(*)[2])yci_alloc(c, 3 * (size_t)m->triangle_count, sizeof *m->half);
+    m->edge = YCI_NEW(c, int, 3 * (size_t)m->triangle_count);
+    if (!order || !m->half || !m->edge) r = yci_out_of_memory(c, "the edges of a mesh");
+    else r = yci_finer_number(c, order, m);
+    yci_free(c, order);
+    return r;
+}
+
+static yc_result yci_finer_check(yci_context *c, const yci_finer *m, const yc_fine *out) {
+    int t, k;
+    if (!out) return yci_fail(c, YC_ERROR_ARGUMENT, "out is NULL");
+    if (m->triangle_count < 0 || m->triangle_count > INT_MAX / 12)
+        return yci_fail(
+            c, YC_ERROR_ARGUMENT, "triangle_count = %d must lie in 0 .. %d", m->triangle_count, INT_MAX / 12);
+    if (m->vertex_count < 0 || m->vertex_count > INT_MAX / 2)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "vertex_count = %d must lie in 0 .. %d", m->vertex_count, INT_MAX / 2);
+    if (m->triangle_count && !m->triangles) return yci_fail(c, YC_ERROR_ARGUMENT, "triangles is NULL");
+    for (t = 0; t < m->triangle_count; t++) {
+        const int *v = m->triangles[t];
+        for (k = 0; k < 3; k++)
+            if (v[k] < 0 || v[k] >= m->vertex_count)
+                return yci_fail(c, YC_ERROR_ARGUMENT, "triangles[%d][%d] = %d must lie in 0 .. %d", t, k, v[k],
+                    m->vertex_count - 1);
+        if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
+            return yci_fail(
+                c, YC_ERROR_TOPOLOGY, "triangles[%d] = %d %d %d: a vertex occurs twice", t, v[0], v[1], v[2]);
+    }
+    return YC_OK;
+}
+
+/* What the old vertices need: the sum of their neighbours and the number of them. On a border only those along it
+ * count, and the number is negative. */
+static void yci_finer_sums(const yci_finer *m, const double (*x)[3], double (*sum)[3], int *valence) {
+    int i, k;
+    for (i = 0; i < m->vertex_count; i++) yci_zero(sum[i], 3);
+    for (i = 0; i < m->edge_count; i++)
+        if (m->half[i][1] < 0)
+            valence[yci_half_from(m->triangles, m->half[i][0])]--, valence[yci_half_to(m->triangles, m->half[i][0])]--;
+    for (i = 0; i < m->edge_count; i++)
+        for (k = 0; k < 2; k++) {
+            int v = yci_half_key(m->triangles, m->half[i][0], k);
+            if (valence[v] < 0 && m->half[i][1] >= 0) continue;
+            yci_axpy(sum[v], 1.0, x[yci_half_key(m->triangles, m->half[i][0], !k)]);
+            if (valence[v] >= 0) valence[v]++;
+        }
+}
+
+/* On entry the first vertex_count positions are the sums. */
+static void yci_finer_positions(const yci_finer *m, const double (*x)[3], const int *valence, double (*out)[3]) {
+    int i, k;
+    for (i = 0; i < m->vertex_count; i++) {
+        double share = 0.0, root; /* of the neighbours together */
+        int n = valence[i];
+        if (n > 0) root = 0.375 + 0.25 * cos(2.0 * YCI_PI / n), share = 0.625 - root * root;
+        else if (n == -2) share = 0.25;
+        yci_scale(out[i], out[i], n ? share / abs(n) : 0.0);
+        yci_axpy(out[i], 1.0 - share, x[i]);
+    }
+    for (i = 0; i < m->edge_count; i++) {
+        double *edge = out[m->vertex_count + i];
+        int border = m->half[i][1] < 0;
+        yci_add(edge, x[yci_half_from(m->triangles, m->half[i][0])], x[yci_half_to(m->triangles, m->half[i][0])]);
+        yci_scale(edge, edge, border ? 0.5 : 0.375);
+        for (k = 0; k < 2 && !border; k++)
+            yci_axpy(edge, 0.125, x[yci_half_from(m->triangles, yci_half_next(yci_half_next(m->half[i][k])))]);
+    }
+}
+
+static void yci_finer_triangles(const yci_finer *m, int (*out)[3]) {
+    int t, k;
+    for (t = 0; t < m->triangle_count; t++)
+        for (k = 0; k < 3; k++) {
+            int *corner = out[4 * t + k];
+            out[4 * t + 3][k] = m->vertex_count + m->edge[3 * t + k];
+            corner[k] = m->triangles[t][k];
+            corner[(k + 1) % 3] = m->vertex_count + m->edge[3 * t + k];
+            corner[(k + 2) % 3] = m->vertex_count + m->edge[3 * t + (k + 2) % 3];
+        }
+}
+
+/* Counts, or fills, as `out` asks for. */
+static yc_result yci_finer_run(yci_context *c, const yci_finer *m, const double (*positions)[3], yc_fine *out) {
+    int vertices = m->vertex_count + m->edge_count, triangles = 4 * m->triangle_count, *valence;
+    if (!out->positions && !out->triangles) {
+        out->vertex_count = vertices, out->triangle_count = triangles;
+        return YC_OK;
+    }
+    if ((vertices && !out->positions) || (triangles && !out->triangles))
+        return yci_fail(c, YC_ERROR_ARGUMENT, "fine: either both arrays are NULL, or none");
+    if (out->vertex_count != vertices || out->triangle_count != triangles)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "fine has room for %d vertices and %d triangles, not %d and %d",
+            out->vertex_count, out->triangle_count, vertices, triangles);
+    if (vertices && !positions) return yci_fail(c, YC_ERROR_ARGUMENT, "positions is NULL");
+    valence = YCI_NEW(c, int, m->vertex_count);
+    if (!valence) return yci_out_of_memory(c, "the valences of a mesh");
+    yci_finer_sums(m, positions, out->positions, valence);
+    yci_finer_positions(m, positions, valence, out->positions);
+    yci_finer_triangles(m, out->triangles);
+    yci_free(c, valence);
+    return YC_OK;
+}
+
+YC_API yc_result yc_subdivide(const yc_host *host, const double (*positions)[3], int vertex_count,
+    const int (*triangles)[3], int triangle_count, yc_fine *out, char *message) {
+    yci_context c;
+    yci_finer mesh;
+    yc_result r = yci_context_init(&c, host);
+    memset(&mesh, 0, sizeof mesh);
+    mesh.vertex_count = vertex_count, mesh.triangles = triangles, mesh.triangle_count = triangle_count;
+    if (r == YC_OK) r = yci_finer_check(&c, &mesh, out);
+    if (r == YC_OK) r = yci_finer_make(&c, &mesh);
+    if (r == YC_OK) r = yci_finer_run(&c, &mesh, positions, out);
+    yci_finer_free(&c, &mesh);
+    return yci_fabric_report(&c, r, message);
+}
+
+/* The small triangle at corner k has the points whose weight there is a half or more: with b_k its weight at k, the
+ * corner's is 2 b_k - 1 and those of the two edge vertices 2 b of the others. Between the edges, the small triangle's
+ * vertex k is the middle of corners k and k + 1, which is opposite corner k + 2: its weight is 1 - 2 b_(k + 2). */
+YC_API void yc_fine_locate(int *triangle, double weights[3]) {
+    double b[3];
+    int k, corner = 0;
+    yci_copy(b, weights);
+    for (k = 1; k < 3; k++)
+        if (b[k] > b[corner]) corner = k;
+    if (b[corner] < 0.5) corner = 3;
+    for (k = 0; k < 3; k++)
+        weights[k] = corner == 3 ? 1.0 - 2.0 * b[(k + 2) % 3] : 2.0 * b[k] - (k == corner ? 1.0 : 0.0);
+    *triangle = 4 * *triangle + corner;
+}
+
+YC_API void yc_vertex_normals(const double (*positions)[3], int vertex_count, const int (*triangles)[3],
+    int triangle_count, float (*normals)[3]) {
+    const double zero[3] = {0.0, 0.0, 0.0};
+    double a[3], b[3], n[3];
+    int i, k;
+    for (i = 0; i < vertex_count; i++) yci_output_store(normals[i], zero);
+    for (i = 0; i < triangle_count; i++) {
+        const int *v = triangles[i];
+        yci_sub(a, positions[v[1]], positions[v[0]]), yci_sub(b, positions[v[2]], positions[v[0]]);
+        yci_cross(n, a, b);
+        for (k = 0; k < 9; k++) normals[v[k / 3]][k % 3] += (float)n[k % 3];
+    }
+    for (i = 0; i < vertex_count; i++) {
+        for (k = 0; k < 3; k++) n[k] = (double)normals[i][k];
+        yci_normalize(n, zero), yci_output_store(normals[i], n);
+    }
+}
+
+/* =====================================================================================================================
+ * >>region   (chapter 14)
+ *
+ * Where yarns go: the vertices within a distance of one, along the mesh's edges, by Dijkstra's algorithm with a binary
+ * heap; it ends at the radius. An edge is as long as in the pattern, since positions may be stretched or draped
+ * already; one that two pattern pieces share counts with the shorter of its two lengths. Distances up to 1e-9 of the
+ * radius beyond it still count as within, so that rounding does not fray the rim of a region on a regular mesh.
+ *
+ * Workspace: 20 bytes per vertex, 12 per triangle.
+ * ===================================================================================================================== */
+
+typedef struct yci_region {
+    int *first;       /* [vertex_count + 1] into corner */
+    int *corner;      /* [3 triangle_count], corners 3 t + k by their vertex */
+    double *distance; /* [vertex_count], m, by vertex */
+    int *heap;        /* [vertex_count], vertices; none lies nearer than the one at half its index */
+    int *place;       /* [vertex_count], 0: not seen yet; 1 + where in the heap; -1: done */
+    int heap_count;
+} yci_region;
+
+static void yci_region_put(yci_region *g, int at, int vertex) { g->heap[at] = vertex, g->place[vertex] = at + 1; }
+
+/* A shorter way to a vertex, or the first. */
+static void yci_region_reach(yci_region *g, int vertex, double distance) {
+    int at = g->place[vertex] - 1;
+    if (at < -1 || (at >= 0 && distance >= g->distance[vertex])) return;
+    g->distance[vertex] = distance;
+    if (at < 0) at = g->heap_count++;
+    for (; at > 0 && g->distance[g->heap[(at - 1) / 2]] > distance; at = (at - 1) / 2)
+        yci_region_put(g, at, g->heap[(at - 1) / 2]);
+    yci_region_put(g, at, vertex);
+}
+
+/* Takes the nearest vertex out of the heap, for good. */
+static int yci_region_nearest(yci_region *g) {
+    int nearest = g->heap[0], last = g->heap[--g->heap_count], at = 0, child;
+    for (child = 1; child < g->heap_count; child = 2 * at + 1) {
+        if (child + 1 < g->heap_count && g->distance[g->heap[child + 1]] < g->distance[g->heap[child]]) child++;
+        if (g->distance[g->heap[child]] >= g->distance[last]) break;
+        yci_region_put(g, at, g->heap[child]);
+        at = child;
+    }
+    yci_region_put(g, at, last);
+    g->place[nearest] = -1;
+    return nearest;
+}
+
+/* The corners of each vertex; place serves as the cursor and is zero again at the end. */
+static void yci_region_corners(const yc_mesh *mesh, yci_region *g) {
+    int i, v;
+    for (i = 0; i < 3 * mesh->triangle_count; i++) g->first[mesh->triangles[i / 3][i % 3] + 1]++;
+    for (v = 0; v < mesh->vertex_count; v++) g->first[v + 1] += g->first[v];
+    for (i = 0; i < 3 * mesh->triangle_count; i++) {
+        v = mesh->triangles[i / 3][i % 3];
+        g->corner[g->first[v] + g->place[v]++] = i;
+    }
+    memset(g->place, 0, (size_t)mesh->vertex_count * sizeof *g->place);
+}
+
+static void yci_region_walk(const yc_mesh *mesh, int center, double radius, yci_region *g, double *alpha) {
+    const int(*uv_triangles)[3] = mesh->uv_triangles ? mesh->uv_triangles : mesh->triangles;
+    int i, k;
+    memset(alpha, 0, (size_t)mesh->vertex_count * sizeof *alpha);
+    yci_region_reach(g, center, 0.0);
+    while (g->heap_count && g->distance[g->heap[0]] <= radius) {
+        int v = yci_region_nearest(g);
+        alpha[v] = 1.0;
+        for (i = g->first[v]; i < g->first[v + 1]; i++)
+            for (k = 1; k < 3; k++) {
+                int t = g->corner[i] / 3, here = g->corner[i] % 3, there = (here + k) % 3;
+                const double *a = mesh->uv[uv_triangles[t][here]], *b = mesh->uv[uv_triangles[t][there]];
+                double edge[3] = {0.0, 0.0, 0.0};
+                edge[0] = b[0] - a[0], edge[1] = b[1] - a[1];
+                yci_region_reach(g, mesh->triangles[t][there], g->distance[v] + yci_norm(edge));
+            }
+    }
+}
+
+/* Checks all but the mesh, and picks the center. */
+static yc_result yci_region_center(yci_context *c, const yc_mesh *mesh, const double *score, int center, double radius,
+    const double *alpha, int *chosen) {
+    int v;
+    if (!alpha) return yci_fail(c, YC_ERROR_ARGUMENT, "alpha is NULL");
+    if (!(radius >= 0.0) || !yci_finite(radius))
+        return yci_fail(c, YC_ERROR_ARGUMENT, "radius = %g must be at least 0", radius);
+    if (center < -1 || center >= mesh->vertex_count)
+        return yci_fail(c, YC_ERROR_ARGUMENT, "center = %d, of %d vertices", center, mesh->vertex_count);
+    if (center < 0 && !score) return yci_fail(c, YC_ERROR_ARGUMENT, "center = -1 needs a score");
+    *chosen = center < 0 ? 0 : center;
+    for (v = 0; center < 0 && v < mesh->vertex_count; v++) {
+        if (!yci_finite(score[v])) return yci_fail(c, YC_ERROR_ARGUMENT, "score[%d] = %g is not finite", v, score[v]);
+        if (score[v] > score[*chosen]) *chosen = v;
+    }
+    return YC_OK;
+}
+
+YC_API yc_result yc_region_select(const yc_host *host, const yc_mesh *mesh, const double *score, int center,
+    double radius, double *alpha, int *chosen, char *message) {
+    yci_context c;
+    yci_region g;
+    int start = 0;
+    yc_result r = yci_context_init(&c, host);
+    memset(&g, 0, sizeof g);
+    if (r == YC_OK && !mesh) r = yci_fail(&c, YC_ERROR_ARGUMENT, "mesh is NULL");
+    if (r == YC_OK) r = yci_mesh_check(&c, mesh);
+    if (r == YC_OK) r = yci_region_center(&c, mesh, score, center, radius, alpha, &start);
+    if (r == YC_OK) {
+        g.first = YCI_NEW(&c, int, (size_t)mesh->vertex_count + 1);
+        g.corner = YCI_NEW(&c, int, 3 * (size_t)mesh->triangle_count);
+        g.distance = YCI_NEW(&c, double, mesh->vertex_count);
+        g.heap = YCI_NEW(&c, int, mesh->vertex_count);
+        g.place = YCI_NEW(&c, int, mesh->vertex_count);
+        if (!g.first || !g.corner || !g.distance || !g.heap || !g.place) r = yci_out_of_memory(&c, "the region");
+    }
+    if (r == YC_OK) {
+        yci_region_corners(mesh, &g);
+        yci_region_walk(mesh, start, radius * (1.0 + 1e-9), &g, alpha);
+        if (chosen) *chosen = start;
+    }
+    yci_free(&c, g.first), yci_free(&c, g.corner), yci_free(&c, g.distance), yci_free(&c, g.heap),
+        yci_free(&c, g.place);
+    return yci_fabric_report(&c, r, message);
+}
+
+#endif /* YARNCLOTH_IMPLEMENTATION */
+
+/*
+ * LICENSE. This file is available under two licenses: choose the one you prefer.
+ *
+ * A. MIT License. Copyright (c) 2026 the yarncloth authors
+ * Permission is hereby granted, free of charge, to any person obtaining a copy of this software and associated
+ * documentation files (the "Software"), to deal in the Software without restriction, including without limitation the
+ * rights to use, copy, modify, merge, publish, distribute, sublicense, and/or sell copies of the Software, and to
+ * permit persons to whom the Software is furnished to do so, subject to the following conditions: The above copyright
+ * notice and this permission notice shall be included in all copies or substantial portions of the Software. THE
+ * SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS OR IMPLIED, INCLUDING BUT NOT LIMITED TO THE
+ * WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS OR
+ * COPYRIGHT HOLDERS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN ACTION OF CONTRACT, TORT OR
+ * OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER DEALINGS IN THE SOFTWARE.
+ *
+ * B. Public domain (www.unlicense.org). This is free and unencumbered software released into the public domain. Anyone
+ * is free to copy, modify, publish, use, compile, sell, or distribute this software, either in source code form or as a
+ * compiled binary, for any purpose, commercial or non-commercial, and by any means. In jurisdictions that recognize
+ * copyright laws, the author or authors of this software dedicate any and all copyright interest in the software to the
+ * public domain. We make this dedication for the benefit of the public at large and to the detriment of our heirs and
+ * successors. We intend this dedication to be an overt act of relinquishment in perpetuity of all present and future
+ * rights to this software under copyright law. THE SOFTWARE IS PROVIDED "AS IS", WITHOUT WARRANTY OF ANY KIND, EXPRESS
+ * OR IMPLIED, INCLUDING BUT NOT LIMITED TO THE WARRANTIES OF MERCHANTABILITY, FITNESS FOR A PARTICULAR PURPOSE AND
+ * NONINFRINGEMENT. IN NO EVENT SHALL THE AUTHORS BE LIABLE FOR ANY CLAIM, DAMAGES OR OTHER LIABILITY, WHETHER IN AN
+ * ACTION OF CONTRACT, TORT OR OTHERWISE, ARISING FROM, OUT OF OR IN CONNECTION WITH THE SOFTWARE OR THE USE OR OTHER
+ * DEALINGS IN THE SOFTWARE.
+ */
