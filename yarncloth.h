@@ -38,7 +38,8 @@
  *                 triangle[t + 1][0] = a, triangle[t + 1][1] = d, triangle[t + 1][2] = c;
  *             }
  *         swatch.mesh.vertex_count = swatch.mesh.uv_count = N * N, swatch.mesh.triangle_count = t;
- *         swatch.mesh.positions = position, swatch.mesh.uv = uv, swatch.mesh.triangles = triangle;
+ *         swatch.mesh.positions = (const double(*)[3])position, swatch.mesh.uv = (const double(*)[2])uv;
+ *         swatch.mesh.triangles = (const int(*)[3])triangle;
  *
  *         if (yc_scene_create(NULL, &settings, &scene, why) != YC_OK) return puts(why), 1;
  *         yc_scene_add_cloth(scene, &swatch, &cloth);
@@ -371,14 +372,16 @@ typedef enum yc_solver {
 typedef enum yc_preset { YC_PREVIEW, YC_DEFAULT, YC_REFERENCE } yc_preset;
 
 typedef struct yc_scene_desc {
-    unsigned cookie;          /* set by yc_scene_desc_preset() */
-    double gravity[3];        /* m/s^2; default 0, -9.81, 0 */
-    double dt_max;            /* s, longest sub-step; > 0; preview 1/60, default 5e-3, reference 1e-3 */
-    double dt_min;            /* s, shortest before a step is given up; (0, dt_max]; default 1e-6 */
-    double tolerance;         /* m: Newton stops when its largest correction is below; > 0; preview 1e-4, default
+    unsigned cookie;   /* set by yc_scene_desc_preset() */
+    double gravity[3]; /* m/s^2; default 0, -9.81, 0 */
+    double dt_max;     /* s, longest sub-step; > 0; preview 1/60, default 5e-3, reference 1e-3 */
+    double dt_min;     /* s, shortest before a step is given up; (0, dt_max]; default 1e-6 */
+    double tolerance;  /* m: Newton stops when its largest correction is below; > 0; preview 1e-4, default
                                  1e-5, reference 1e-8 */
-    int newton_limit;         /* Newton iterations of a sub-step before it is halved; >= 1; default 40 */
-    yc_solver solver;         /* default YC_SOLVER_AUTO */
+    int newton_limit;  /* Newton iterations of a sub-step; >= 1; preview 8, else 40 */
+    int best_effort;   /* what happens when they do not suffice. 0: the sub-step is halved. Nonzero: the last iterate,
+                                 the lowest in energy, is taken and counted in stats.unfinished; preview 1, else 0 */
+    yc_solver solver;  /* default YC_SOLVER_AUTO */
     double linear_tolerance;  /* MPCG stops at this share of the starting residual, in the preconditioner's norm; (0,
                                  1); default 1e-3, reference 1e-6 */
     int linear_limit;         /* MPCG iterations; >= 1; default 2000. Reaching it is no error: the line search judges
@@ -492,6 +495,7 @@ YC_API const char *yc_term_name(yc_term term);
 /* What a step cost and what the scene holds; counts of the last yc_scene_step, sums over its sub-steps. */
 typedef struct yc_stats {
     int substeps, rejected; /* accepted sub-steps; tried again at half the step */
+    int unfinished;         /* accepted at newton_limit: see best_effort */
     int newton, linear;     /* Newton and MPCG iterations */
     double correction;      /* m, largest correction of the last Newton iteration */
     double residual;        /* N, largest force left over at the last iterate */
@@ -739,17 +743,19 @@ YC_API const char *yc_result_name(yc_result result) {
     return index >= 0 && index < count ? yci_result_names[index] : "unknown yc_result";
 }
 
-/* Writes the message and hands the code back, so that a failing line reads `return yci_fail(...)`. */
-static yc_result yci_fail(yci_context *c, yc_result code, const char *format, ...) {
+static void yci_say(yci_context *c, const char *format, ...) {
     va_list args;
     va_start(args, format);
     vsnprintf(c->message, sizeof c->message, format, args);
     va_end(args);
-    return code;
 }
 
+/* YCI_FAIL(c, code, format, ...) writes the message and hands the code back: `return YCI_FAIL(...)`. A macro, so that
+ * tools which read the code see which code that is. */
+#define YCI_FAIL(c, code, ...) (yci_say((c), __VA_ARGS__), (code))
+
 static yc_result yci_out_of_memory(yci_context *c, const char *what) {
-    return yci_fail(c, YC_ERROR_MEMORY, "out of memory for %s", what);
+    return YCI_FAIL(c, YC_ERROR_MEMORY, "out of memory for %s", what);
 }
 
 static void yci_log(yci_context *c, const char *format, ...) {
@@ -818,7 +824,7 @@ static yc_result yci_context_init(yci_context *c, const yc_host *host) {
     memset(c, 0, sizeof *c);
     if (host) c->host = *host;
     if (!c->host.alloc != !c->host.free)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "host.alloc and host.free must be given both or neither");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "host.alloc and host.free must be given both or neither");
     return YC_OK;
 }
 
@@ -1007,7 +1013,7 @@ YC_FN void yci_block_invert_lower(int n, const double *g, double *inverse) {
 YC_FN int yci_block_invert_spd(int n, const double *a, const double *reference, int stride, double *inverse) {
     double g[YCI_BLOCK_MAX * YCI_BLOCK_MAX], h[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
     int i, j, k;
-    for (i = 0; i < n * n; i++) g[i] = a[i];
+    memcpy(g, a, (size_t)(n * n) * sizeof *g);
     if (!yci_block_cholesky(n, g, reference, stride)) return 0;
     yci_block_invert_lower(n, g, h);
     for (i = 0; i < n; i++)
@@ -1180,7 +1186,7 @@ YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
     yc_result result = yci_context_init(&c, host);
     if (!out) return YC_ERROR_ARGUMENT;
     *out = NULL;
-    if (result == YC_OK && n < 0) result = yci_fail(&c, YC_ERROR_ARGUMENT, "yc_lu_create: n is %d", n);
+    if (result == YC_OK && n < 0) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_lu_create: n is %d", n);
     lu = result == YC_OK ? YCI_NEW(&c, yc_lu, 1) : NULL;
     if (lu) {
         lu->context = c, lu->n = n;
@@ -1194,7 +1200,7 @@ YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
         }
         yc_lu_destroy(lu);
     }
-    if (result == YC_OK) result = yci_fail(&c, YC_ERROR_MEMORY, "out of memory for an LU factorisation of order %d", n);
+    if (result == YC_OK) result = YCI_FAIL(&c, YC_ERROR_MEMORY, "out of memory for an LU factorisation of order %d", n);
     yci_log(&c, "%s", c.message);
     return result;
 }
@@ -1273,12 +1279,12 @@ YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
     int i, j, k, begin;
     if (!lu) return YC_ERROR_ARGUMENT;
     n = (size_t)lu->n;
-    if (lu->n && !a) return yci_fail(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a is NULL");
-    if (lda < lu->n) return yci_fail(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: lda is %d, n is %d", lda, lu->n);
+    if (lu->n && !a) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a is NULL");
+    if (lda < lu->n) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: lda is %d, n is %d", lda, lu->n);
     for (i = 0; i < lu->n; i++)
         for (j = 0; j < lu->n; j++)
             if (!(fabs(a[(size_t)i * (size_t)lda + (size_t)j]) <= DBL_MAX))
-                return yci_fail(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", i, j,
+                return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", i, j,
                     a[(size_t)i * (size_t)lda + (size_t)j]);
     lu->factored = 0, lu->norm = 0.0;
     for (j = 0; j < lu->n; j++) {
@@ -1294,7 +1300,7 @@ YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
         yci_lu_job job;
         int end = begin + YCI_PANEL < lu->n ? begin + YCI_PANEL : lu->n, rows = lu->n - end, items, bad;
         bad = yci_lu_panel(lu, begin, end);
-        if (bad >= 0) return yci_fail(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
+        if (bad >= 0) return YCI_FAIL(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
         for (k = 0; k < end - begin; k++)
             for (i = 0; i < rows; i++)
                 lu->packed[(size_t)(i / 4) * 4 * (size_t)(end - begin) + (size_t)(4 * k + i % 4)] =
@@ -1508,13 +1514,13 @@ static yc_result yci_bsr_create(
     memset(out, 0, sizeof *out);
     memset(&m, 0, sizeof m);
     if (n < 0 || pair_count > ((size_t)INT_MAX - (size_t)n) / 2)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "block matrix: %d nodes and %.0f pairs", n, (double)pair_count);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "block matrix: %d nodes and %.0f pairs", n, (double)pair_count);
     for (i = 0; i < n; i++)
         if (dim[i] < 0 || dim[i] > YCI_BLOCK_MAX || n > INT_MAX / YCI_BLOCK_MAX)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "block matrix: node %d of %d has %d unknowns", i, n, dim[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "block matrix: node %d of %d has %d unknowns", i, n, dim[i]);
     for (k = 0; k < pair_count; k++)
         if (pair[k][0] < 0 || pair[k][0] >= n || pair[k][1] < 0 || pair[k][1] >= n)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "block matrix: pair (%d, %d) of %d nodes", pair[k][0], pair[k][1], n);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "block matrix: pair (%d, %d) of %d nodes", pair[k][0], pair[k][1], n);
     m.n = n;
     m.dim = YCI_NEW(c, int, n), m.off = YCI_NEW(c, int, n + 1), m.ptr = YCI_NEW(c, int, n + 1);
     m.diag = YCI_NEW(c, int, n);
@@ -2162,7 +2168,7 @@ static yc_result yci_ldl_analyze(
         for (i = 0; result == YC_OK && i < n; i++) {
             int v = order ? order[i] : at[i];
             if (v < 0 || v >= n || t.work[v]++)
-                result = yci_fail(c, YC_ERROR_ARGUMENT, "elimination order: entry %d is %d, of %d nodes", i, v, n);
+                result = YCI_FAIL(c, YC_ERROR_ARGUMENT, "elimination order: entry %d is %d, of %d nodes", i, v, n);
             else if (dim[v]) t.pos[v] = t.active, t.node[t.active++] = v;
         }
     }
@@ -2341,7 +2347,7 @@ static int yci_ldl_super_factor(yci_ldl *f, const yci_ldl_super *s, const double
             if (!yci_ldl_node(&front, column, d, val + at[f->entry[f->entry_begin[i]].block], spd)) return i;
             column += d;
         }
-        work = (front.end - front.begin) * (front.groups + 1);
+        work = 1 + (front.end - front.begin) * (front.groups + 1);
         yci_parallel(f->c, front.groups, 1 + 16384 / work, yci_ldl_update, &front);
     }
     return -1;
@@ -2355,8 +2361,8 @@ static yc_result yci_ldl_factor(yci_ldl *f, const double *val, const size_t *at,
     for (s = 0; s < f->supers; s++) {
         int bad = yci_ldl_super_factor(f, f->super + s, val, at, spd);
         if (bad >= 0 && spd)
-            return yci_fail(f->c, YC_ERROR_NOT_SPD, "the matrix is not positive definite at node %d", f->node[bad]);
-        if (bad >= 0) return yci_fail(f->c, YC_ERROR_SINGULAR, "the matrix is singular at node %d", f->node[bad]);
+            return YCI_FAIL(f->c, YC_ERROR_NOT_SPD, "the matrix is not positive definite at node %d", f->node[bad]);
+        if (bad >= 0) return YCI_FAIL(f->c, YC_ERROR_SINGULAR, "the matrix is singular at node %d", f->node[bad]);
     }
     f->factored = 1;
     return YC_OK;
@@ -2509,7 +2515,7 @@ static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *orde
     for (i = 0; ok && result == YC_OK && i < count; i++) {
         int v = order[i];
         if (v < 0 || v >= m->n || pos[v] >= 0)
-            result = yci_fail(
+            result = YCI_FAIL(
                 c, YC_ERROR_ARGUMENT, "incomplete factorisation: order entry %d is %d, of %d nodes", i, v, m->n);
         else pos[v] = i, f->node[i] = v, f->mark[i] = -1;
     }
@@ -2534,7 +2540,8 @@ static int yci_ic_pivot(yci_ic *f, const yci_bsr *m, int i, double shift) {
     const double *a = m->val + m->at[f->diag[i]];
     double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
     int d = f->dim[i], k;
-    for (k = 0; k < d * d; k++) block[k] = a[k] * (1.0 + shift);
+    memcpy(block, a, (size_t)(d * d) * sizeof *block);
+    for (k = 0; k < d * d; k++) block[k] *= 1.0 + shift;
     for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++) {
         const double *l = f->val + f->at[k];
         yci_block_subtract_product(d, d, f->dim[f->col[k]], l, l, block);
@@ -2551,7 +2558,7 @@ static void yci_ic_row(yci_ic *f, const yci_bsr *m, int i) {
         int j = f->col[k], e = f->dim[j];
         double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX], *l = f->val + f->at[k];
         const double *source = m->val + m->at[f->source[k]], *inverse = f->val + f->corner[j];
-        for (a = 0; a < d * e; a++) block[a] = source[a];
+        memcpy(block, source, (size_t)(d * e) * sizeof *block);
         for (p = f->ptr[j]; p < f->ptr[j + 1]; p++) {
             int other = f->mark[f->col[p]];
             if (other >= 0)
@@ -2591,7 +2598,7 @@ static yc_result yci_ic_factor(yci_ic *f, const yci_bsr *m) {
     f->diagonal_only = 1, f->shift = 0.0;
     bad = yci_ic_attempt(f, m, 0.0);
     if (bad < 0) return YC_OK;
-    return yci_fail(f->c, YC_ERROR_NOT_SPD, "the diagonal block of node %d is not positive definite", f->node[bad]);
+    return YCI_FAIL(f->c, YC_ERROR_NOT_SPD, "the diagonal block of node %d is not positive definite", f->node[bad]);
 }
 
 /* y := G y or G' y for the inverse diagonal block G, which is lower triangular. */
@@ -2662,16 +2669,16 @@ YC_API void yc_chol_destroy(yc_chol *chol) {
  * every row once: entry (i, j) must find (j, i) next in row j. */
 static yc_result yci_chol_check(yci_context *c, int n, const int *ptr, const int *col, int *cursor) {
     int i, k, upper = 0;
-    if (ptr[0] != 0) return yci_fail(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[0] is %d", ptr[0]);
+    if (ptr[0] != 0) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[0] is %d", ptr[0]);
     for (i = 0; i < n; i++) {
         if (ptr[i + 1] < ptr[i])
-            return yci_fail(
+            return YCI_FAIL(
                 c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[%d] is %d, after %d", i + 1, ptr[i + 1], ptr[i]);
         for (k = ptr[i]; k < ptr[i + 1]; k++) {
             if (col[k] < 0 || col[k] >= n)
-                return yci_fail(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: col[%d] is %d, n is %d", k, col[k], n);
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: col[%d] is %d, n is %d", k, col[k], n);
             if (k > ptr[i] && col[k] <= col[k - 1])
-                return yci_fail(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: row %d is not ascending: %s %d at col[%d]", i,
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: row %d is not ascending: %s %d at col[%d]", i,
                     col[k] == col[k - 1] ? "duplicate" : "unsorted", col[k], k);
             upper |= col[k] > i;
         }
@@ -2681,7 +2688,7 @@ static yc_result yci_chol_check(yci_context *c, int n, const int *ptr, const int
         for (k = ptr[i]; k < ptr[i + 1]; k++) {
             int j = col[k];
             if (cursor[j] >= ptr[j + 1] || col[cursor[j]++] != i)
-                return yci_fail(c, YC_ERROR_ARGUMENT,
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT,
                     "yc_chol_analyze: (%d, %d) and (%d, %d) are not both there, "
                     "and the pattern is not lower",
                     i, j, j, i);
@@ -2731,11 +2738,11 @@ YC_API yc_result yc_chol_analyze(
     result = yci_context_init(&c, host);
     if (result == YC_OK && (n < 0 || !ptr || (n && ptr[n] && !col)))
         result =
-            yci_fail(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: n is %d%s", n, n < 0 ? "" : ", a pattern array is NULL");
+            YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: n is %d%s", n, n < 0 ? "" : ", a pattern array is NULL");
     if (result == YC_OK &&
         (options->block < 1 || options->block > YCI_BLOCK_MAX || n % options->block ||
             (options->kind != YC_CHOL_SPD && options->kind != YC_CHOL_QUASIDEFINITE)))
-        result = yci_fail(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: kind is %d, block is %d, n is %d",
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: kind is %d, block is %d, n is %d",
             (int)options->kind, options->block, n);
     if (result == YC_OK && !(chol = YCI_NEW(&c, yc_chol, 1))) result = yci_out_of_memory(&c, "a factorisation");
     if (result != YC_OK) {
@@ -2766,12 +2773,12 @@ YC_API yc_result yc_chol_analyze(
 YC_API yc_result yc_chol_factor(yc_chol *chol, const double *values) {
     size_t k, skipped;
     if (!chol) return YC_ERROR_ARGUMENT;
-    if (chol->entries && !values) return yci_fail(&chol->context, YC_ERROR_ARGUMENT, "yc_chol_factor: values is NULL");
+    if (chol->entries && !values) return YCI_FAIL(&chol->context, YC_ERROR_ARGUMENT, "yc_chol_factor: values is NULL");
     skipped = chol->m.at[chol->m.ptr[chol->m.n]];
     for (k = 0; k < chol->entries; k++) {
         if (chol->to[k] == skipped) continue;
         if (!(fabs(values[k]) <= DBL_MAX))
-            return yci_fail(
+            return YCI_FAIL(
                 &chol->context, YC_ERROR_ARGUMENT, "yc_chol_factor: values[%.0f] is %g", (double)k, values[k]);
     }
     for (k = 0; k < chol->entries; k++)
@@ -2887,16 +2894,16 @@ static yc_result yci_yarn_material_check(yci_context *c, const char *owner, cons
     values[7] = m->friction, values[8] = m->shear_limit;
     for (i = 0; i < 9; i++) {
         if (!yci_finite(values[i]))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be finite", owner, names[i], values[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be finite", owner, names[i], values[i]);
         if (i < 4 && values[i] <= 0.0)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be greater than 0", owner, names[i], values[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be greater than 0", owner, names[i], values[i]);
         if (values[i] < 0.0)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "%s.%s = %g must not be negative", owner, names[i], values[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.%s = %g must not be negative", owner, names[i], values[i]);
     }
     if (m->friction > 10.0)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "%s.friction = %g must be at most 10", owner, m->friction);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.friction = %g must be at most 10", owner, m->friction);
     if (m->shear_limit <= 0.0 || m->shear_limit > 0.5 * YCI_PI)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "%s.shear_limit = %g must lie in (0, pi/2]", owner, m->shear_limit);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.shear_limit = %g must lie in (0, pi/2]", owner, m->shear_limit);
     return YC_OK;
 }
 
@@ -2941,42 +2948,42 @@ static yc_result yci_mesh_check_arrays(yci_context *c, const yc_mesh *mesh) {
     const char *uvt_name = mesh->uv_triangles ? "uv_triangles" : "triangles";
     int i, k;
     if (mesh->vertex_count < 3)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.vertex_count = %d must be at least 3", mesh->vertex_count);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.vertex_count = %d must be at least 3", mesh->vertex_count);
     if (mesh->triangle_count < 1 || mesh->triangle_count > 700000000)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.triangle_count = %d must lie in 1 .. 7e8", mesh->triangle_count);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.triangle_count = %d must lie in 1 .. 7e8", mesh->triangle_count);
     if (mesh->uv_count < 3)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.uv_count = %d must be at least 3", mesh->uv_count);
-    if (!mesh->positions) return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.positions must not be NULL");
-    if (!mesh->triangles) return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.triangles must not be NULL");
-    if (!mesh->uv) return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.uv must not be NULL");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.uv_count = %d must be at least 3", mesh->uv_count);
+    if (!mesh->positions) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.positions must not be NULL");
+    if (!mesh->triangles) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.triangles must not be NULL");
+    if (!mesh->uv) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.uv must not be NULL");
     for (i = 0; i < mesh->vertex_count; i++)
         for (k = 0; k < 3; k++)
             if (!yci_finite(mesh->positions[i][k]))
-                return yci_fail(
+                return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "mesh.positions[%d][%d] = %g must be finite", i, k, mesh->positions[i][k]);
     for (i = 0; i < mesh->uv_count; i++)
         for (k = 0; k < 2; k++)
             if (!yci_finite(mesh->uv[i][k]))
-                return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.uv[%d][%d] = %g must be finite", i, k, mesh->uv[i][k]);
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.uv[%d][%d] = %g must be finite", i, k, mesh->uv[i][k]);
     for (i = 0; i < mesh->triangle_count; i++) {
         const int *t = mesh->triangles[i], *q = uvt[i];
         double area;
         for (k = 0; k < 3; k++) {
             if (t[k] < 0 || t[k] >= mesh->vertex_count)
-                return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.triangles[%d][%d] = %d must lie in 0 .. %d", i, k, t[k],
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.triangles[%d][%d] = %d must lie in 0 .. %d", i, k, t[k],
                     mesh->vertex_count - 1);
             if (q[k] < 0 || q[k] >= mesh->uv_count)
-                return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.%s[%d][%d] = %d must lie in 0 .. %d of the UVs", uvt_name,
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.%s[%d][%d] = %d must lie in 0 .. %d of the UVs", uvt_name,
                     i, k, q[k], mesh->uv_count - 1);
         }
         if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0])
-            return yci_fail(
+            return YCI_FAIL(
                 c, YC_ERROR_TOPOLOGY, "mesh.triangles[%d] = %d %d %d: a vertex occurs twice", i, t[0], t[1], t[2]);
         area = 0.5 *
             ((mesh->uv[q[1]][0] - mesh->uv[q[0]][0]) * (mesh->uv[q[2]][1] - mesh->uv[q[0]][1]) -
                 (mesh->uv[q[2]][0] - mesh->uv[q[0]][0]) * (mesh->uv[q[1]][1] - mesh->uv[q[0]][1]));
         if (!(area > 0.0) || !yci_finite(area))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "mesh.%s[%d]: area %g m^2 must be > 0", uvt_name, i, area);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "mesh.%s[%d]: area %g m^2 must be > 0", uvt_name, i, area);
     }
     return YC_OK;
 }
@@ -2996,10 +3003,10 @@ static yc_result yci_mesh_check(yci_context *c, const yc_mesh *mesh) {
         if (!yci_half_same_edge(mesh->triangles, a, b)) continue;
         if (k + 2 < total && yci_half_same_edge(mesh->triangles, a, order[k + 2]))
             result =
-                yci_fail(c, YC_ERROR_TOPOLOGY, "mesh.triangles[%d], [%d] and [%d] share the edge of vertices %d and %d",
+                YCI_FAIL(c, YC_ERROR_TOPOLOGY, "mesh.triangles[%d], [%d] and [%d] share the edge of vertices %d and %d",
                     a / 3, b / 3, order[k + 2] / 3, p, q);
         else if (yci_half_from(mesh->triangles, a) == yci_half_from(mesh->triangles, b))
-            result = yci_fail(c, YC_ERROR_TOPOLOGY,
+            result = YCI_FAIL(c, YC_ERROR_TOPOLOGY,
                 "mesh.triangles[%d] and [%d] are wound against each other at the edge of vertices %d and %d", a / 3,
                 b / 3, p, q);
     }
@@ -3013,20 +3020,20 @@ static yc_result yci_yarns_check_nodes(yci_context *c, const yc_yarns *y, const 
         double sum = 0.0;
         for (k = 0; k < 3; k++)
             if (!yci_finite(y->layout[i][k]))
-                return yci_fail(
+                return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "yarns.layout[%d][%d] = %g must be finite", i, k, y->layout[i][k]);
         if (!mesh) continue;
         if (y->triangle[i] < 0 || y->triangle[i] >= mesh->triangle_count)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.triangle[%d] = %d must lie in 0 .. %d", i, y->triangle[i],
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.triangle[%d] = %d must lie in 0 .. %d", i, y->triangle[i],
                 mesh->triangle_count - 1);
         for (k = 0; k < 3; k++) {
             if (!yci_finite(y->weights[i][k]))
-                return yci_fail(
+                return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "yarns.weights[%d][%d] = %g must be finite", i, k, y->weights[i][k]);
             sum += y->weights[i][k];
         }
         if (fabs(sum - 1.0) > 1e-9)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.weights[%d]: sum %.17g must be 1", i, sum);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.weights[%d]: sum %.17g must be 1", i, sum);
     }
     return YC_OK;
 }
@@ -3035,46 +3042,46 @@ static yc_result yci_yarns_check_nodes(yci_context *c, const yc_yarns *y, const 
 static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *visits) {
     int i, k;
     if (y->yarn_first[0] != 0)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[0] = %d must be 0", y->yarn_first[0]);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[0] = %d must be 0", y->yarn_first[0]);
     for (i = 0; i < y->yarn_count; i++) {
         int first = y->yarn_first[i], last = y->yarn_first[i + 1];
         if (last > y->visit_count || last - first < 2)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[%d] = %d must lie in %d .. %d (two visits or more)",
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[%d] = %d must lie in %d .. %d (two visits or more)",
                 i + 1, last, first + 2, y->visit_count);
         if (y->yarn_family[i] > YC_ROD)
-            return yci_fail(
+            return YCI_FAIL(
                 c, YC_ERROR_ARGUMENT, "yarns.yarn_family[%d] = %d must lie in 0 .. 2", i, y->yarn_family[i]);
         if (y->yarn_material[i] < 0 || y->yarn_material[i] >= y->material_count)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_material[%d] = %d must lie in 0 .. %d", i,
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.yarn_material[%d] = %d must lie in 0 .. %d", i,
                 y->yarn_material[i], y->material_count - 1);
         for (k = first; k < last; k++) {
             int node = y->visit_node[k];
             if (node < 0 || node >= y->node_count)
-                return yci_fail(
+                return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "yarns.visit_node[%d] = %d must lie in 0 .. %d", k, node, y->node_count - 1);
             if (!yci_finite(y->visit_u[k]))
-                return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.visit_u[%d] = %g must be finite", k, y->visit_u[k]);
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_u[%d] = %g must be finite", k, y->visit_u[k]);
             if (k > first && !(y->visit_u[k] > y->visit_u[k - 1]))
-                return yci_fail(c, YC_ERROR_TOPOLOGY, "yarns.visit_u[%d] = %g must be greater than the %g before it", k,
+                return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.visit_u[%d] = %g must be greater than the %g before it", k,
                     y->visit_u[k], y->visit_u[k - 1]);
             if (k > first && node == y->visit_node[k - 1])
-                return yci_fail(
+                return YCI_FAIL(
                     c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: the same node twice in a row", k, node);
             if (y->visit_layer[k] < -1 || y->visit_layer[k] > 1)
-                return yci_fail(
+                return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "yarns.visit_layer[%d] = %d must lie in -1 .. 1", k, y->visit_layer[k]);
             if (++visits[node] > 2)
-                return yci_fail(c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: a third visit of this node", k, node);
+                return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: a third visit of this node", k, node);
         }
     }
     if (y->yarn_first[y->yarn_count] != y->visit_count)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[%d] = %d must be visit_count, %d", y->yarn_count,
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[%d] = %d must be visit_count, %d", y->yarn_count,
             y->yarn_first[y->yarn_count], y->visit_count);
     for (i = 0; i < y->node_count; i++)
-        if (!visits[i]) return yci_fail(c, YC_ERROR_TOPOLOGY, "yarns.layout[%d]: no yarn visits this node", i);
+        if (!visits[i]) return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.layout[%d]: no yarn visits this node", i);
     for (k = 0; k < y->visit_count; k++)
         if (visits[y->visit_node[k]] == 1 && !y->visit_held[k])
-            return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.visit_held[%d] = 0 must be 1: node %d has no other visit", k,
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_held[%d] = 0 must be 1: node %d has no other visit", k,
                 y->visit_node[k]);
     return YC_OK;
 }
@@ -3083,16 +3090,16 @@ static yc_result yci_yarns_check(yci_context *c, const yc_yarns *y, const yc_mes
     yc_result result;
     int *visits, i;
     if (y->node_count < 2)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.node_count = %d must be at least 2", y->node_count);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.node_count = %d must be at least 2", y->node_count);
     if (y->yarn_count < 1)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.yarn_count = %d must be at least 1", y->yarn_count);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.yarn_count = %d must be at least 1", y->yarn_count);
     if (y->material_count < 1)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.material_count = %d must be at least 1", y->material_count);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.material_count = %d must be at least 1", y->material_count);
     if (!y->layout || !y->yarn_first || !y->yarn_family || !y->yarn_material || !y->visit_node || !y->visit_u ||
         !y->visit_layer || !y->visit_held || !y->materials)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights and owner may be NULL");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights and owner may be NULL");
     if (mesh && (!y->triangle || !y->weights))
-        return yci_fail(c, YC_ERROR_ARGUMENT, "yarns.triangle and weights must not be NULL with a mesh");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.triangle and weights must not be NULL with a mesh");
     for (i = 0; i < y->material_count; i++) {
         char owner[48];
         snprintf(owner, sizeof owner, "yarns.materials[%d]", i);
@@ -3112,20 +3119,20 @@ static yc_result yci_weave_check(yci_context *c, const yc_weave_desc *d, int wit
     yc_result result;
     int i;
     if (d->cookie != YCI_DESC_COOKIE)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "weave.cookie: not made by yc_weave_desc_default()");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.cookie: not made by yc_weave_desc_default()");
     for (i = 0; i < 2; i++) {
         if (!yci_finite(d->spacing[i]))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.spacing[%d] = %g must be finite", i, d->spacing[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.spacing[%d] = %g must be finite", i, d->spacing[i]);
         if (d->spacing[i] <= 0.0)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.spacing[%d] = %g must be greater than 0", i, d->spacing[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.spacing[%d] = %g must be greater than 0", i, d->spacing[i]);
         if (d->repeat[i] < 1)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.repeat[%d] = %d must be at least 1", i, d->repeat[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.repeat[%d] = %d must be at least 1", i, d->repeat[i]);
         if (!with_mesh && !yci_finite(d->size[i]))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be finite", i, d->size[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be finite", i, d->size[i]);
         if (!with_mesh && d->size[i] <= 0.0)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be greater than 0", i, d->size[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be greater than 0", i, d->size[i]);
     }
-    if (!yci_finite(d->grain)) return yci_fail(c, YC_ERROR_ARGUMENT, "weave.grain = %g must be finite", d->grain);
+    if (!yci_finite(d->grain)) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.grain = %g must be finite", d->grain);
     result = yci_yarn_material_check(c, "weave.warp", &d->warp);
     if (result == YC_OK) result = yci_yarn_material_check(c, "weave.weft", &d->weft);
     if (result == YC_OK && d->rod.density != 0.0) result = yci_yarn_material_check(c, "weave.rod", &d->rod);
@@ -3265,7 +3272,7 @@ static yc_result yci_weave_pieces(yci_weaver *w) {
 }
 
 static yc_result yci_weave_too_many(yci_weaver *w, double count, const char *what) {
-    return yci_fail(w->c, YC_ERROR_ARGUMENT, "weave.spacing = %g, %g gives about %.3g %s, more than %d",
+    return YCI_FAIL(w->c, YC_ERROR_ARGUMENT, "weave.spacing = %g, %g gives about %.3g %s, more than %d",
         w->desc->spacing[0], w->desc->spacing[1], count, what, YCI_WEAVE_LIMIT);
 }
 
@@ -3364,7 +3371,7 @@ static yc_result yci_weave_cut_piece(yci_weaver *w, int piece, int family) {
 }
 
 static yc_result yci_weave_overlap(yci_weaver *w, int half) {
-    return yci_fail(w->c, YC_ERROR_TOPOLOGY, "mesh.uv: the piece of triangle %d overlaps itself there", half / 3);
+    return YCI_FAIL(w->c, YC_ERROR_TOPOLOGY, "mesh.uv: the piece of triangle %d overlaps itself there", half / 3);
 }
 
 /* Pairs the sorted cuts up. The two sides of a slit may come in either order, by rounding: leaving goes first. */
@@ -3814,7 +3821,7 @@ static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *nu
             int old = at ? at->node : span->tip[k >= before], node = number[old];
             y->visit_node[visit] = node;
             if (k == 0) y->visit_u[visit] = 0.0;
-            else if (span->family == YC_ROD) y->visit_u[visit] = at->along - w->visits[span->first].along;
+            else if (at && span->family == YC_ROD) y->visit_u[visit] = at->along - w->visits[span->first].along;
             else {
                 double step[3];
                 yci_sub(step, y->layout[node], y->layout[y->visit_node[visit - 1]]);
@@ -3843,7 +3850,7 @@ static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
         y.visit_count += span->count + (span->tip[0] >= 0) + (span->tip[1] >= 0);
     }
     if (!y.yarn_count)
-        return yci_fail(w->c, YC_ERROR_ARGUMENT, "weave.spacing = %g, %g is too wide: nowhere do two yarns cross",
+        return YCI_FAIL(w->c, YC_ERROR_ARGUMENT, "weave.spacing = %g, %g is too wide: nowhere do two yarns cross",
             w->desc->spacing[0], w->desc->spacing[1]);
     y.material_count = w->desc->rod.density > 0.0 ? 3 : 2;
     number = YCI_NEW(w->c, int, w->node_count);
@@ -3890,8 +3897,8 @@ static yc_result yci_weave_run(yci_context *c, const yc_weave_desc *desc, const 
     yci_weaver w;
     yc_result result;
     int k;
-    if (!desc) return yci_fail(c, YC_ERROR_ARGUMENT, "desc must not be NULL");
-    if (!out) return yci_fail(c, YC_ERROR_ARGUMENT, "out must not be NULL");
+    if (!desc) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "desc must not be NULL");
+    if (!out) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "out must not be NULL");
     result = yci_weave_check(c, desc, mesh != NULL);
     if (result == YC_OK && mesh) result = yci_mesh_check(c, mesh);
     if (result != YC_OK) return result;
@@ -3930,7 +3937,7 @@ YC_API yc_result yc_weave(
 YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char *message) {
     yci_context c;
     yc_result result = yci_context_init(&c, NULL);
-    if (!yarns) result = yci_fail(&c, YC_ERROR_ARGUMENT, "yarns must not be NULL");
+    if (!yarns) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns must not be NULL");
     if (result == YC_OK) result = yci_yarns_check(&c, yarns, mesh);
     return yci_fabric_report(&c, result, message);
 }
@@ -3958,7 +3965,8 @@ YC_API void yc_yarns_destroy(yc_yarns *yarns) {
  *   contact      (k/d) g(d - du), the neighbouring crossings of one yarn. Convex: projected is exact.
  *   floor        k d b(du/d), b(t) = -(t - 1)^2 log t below 1, 0 above (C2, convex, without bound at 0): no segment
  *                vanishes between two steps. It acts far below any touching distance. Projected is exact.
- *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Convex: projected is exact.
+ *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where it
+ *                slips, the quadratic that touches from above: with the exact zero Newton overshoots the kink forever.
  *
  * The energies of an angle f(phi) share one Hessian. With unit edges a, b of lengths l1, l2, in-plane normals n1 (of a,
  * towards b) and n2 (of b, towards a) and the binormal m, grad phi = (-n1/l1, -n2/l2) and
@@ -4214,11 +4222,11 @@ YC_FN double yci_yarn_floor(const double *q, double k, double d, double *g, doub
 
 /* -- sliding friction of one visit: k in N/m, limit = mu lambda in N ----------------------------------------------- */
 
-YC_FN double yci_yarn_friction(double u, double anchor, double k, double limit, double *g, double *h) {
+YC_FN double yci_yarn_friction(double u, double anchor, double k, double limit, double *g, double *h, int projected) {
     double s = u - anchor;
     int slips = k * fabs(s) > limit;
     if (g) *g = !slips ? k * s : s < 0.0 ? -limit : limit;
-    if (h) *h = slips ? 0.0 : k;
+    if (h) *h = !slips ? k : projected ? limit / fabs(s) : 0.0;
     return slips ? limit * (fabs(s) - 0.5 * limit / k) : 0.5 * k * s * s;
 }
 
@@ -4812,7 +4820,7 @@ static void yci_body_free(yci_context *c, yci_body_sdf *body) {
 }
 
 static yc_result yci_body_wrong(yci_context *c, int index, const char *field, double value, const char *rule) {
-    return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives[%d].%s is %g, %s", index, field, value, rule);
+    return YCI_FAIL(c, YC_ERROR_ARGUMENT, "body.primitives[%d].%s is %g, %s", index, field, value, rule);
 }
 
 /* A finite number in [lo, hi]; NaN fails both comparisons. */
@@ -4822,7 +4830,7 @@ static yc_result yci_body_check_vector(yci_context *c, int index, const char *fi
     int j;
     for (j = 0; j < 3; j++)
         if (!yci_within(v[j], -1e100, 1e100))
-            return yci_fail(
+            return YCI_FAIL(
                 c, YC_ERROR_ARGUMENT, "body.primitives[%d].%s[%d] is %g, must be finite", index, field, j, v[j]);
     return YC_OK;
 }
@@ -4834,17 +4842,17 @@ static yc_result yci_body_check_loft(yci_context *c, int index, const yc_primiti
         return yci_body_wrong(c, index, "exponent", p->exponent, "must be in [2, 8]");
     if (p->section_count < 2 || p->section_count > 65536)
         return yci_body_wrong(c, index, "section_count", p->section_count, "must be in [2, 65536]");
-    if (!p->sections) return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives[%d].sections is NULL", index);
+    if (!p->sections) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "body.primitives[%d].sections is NULL", index);
     for (i = 0; i < p->section_count; i++) {
         for (j = 0; j < 4; j++) {
             double value = p->sections[i][j];
             int positive = j == 1 || j == 2;
             if (!yci_within(value, positive ? 1e-9 : -1e100, 1e100))
-                return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives[%d].sections[%d][%d] (%s) is %g, must be %s",
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "body.primitives[%d].sections[%d][%d] (%s) is %g, must be %s",
                     index, i, j, column[j], value, positive ? "positive" : "finite");
         }
         if (i && !(p->sections[i][0] > p->sections[i - 1][0]))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives[%d].sections[%d][0] (height) is %g, must exceed %g",
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "body.primitives[%d].sections[%d][0] (height) is %g, must exceed %g",
                 index, i, p->sections[i][0], p->sections[i - 1][0]);
     }
     return YC_OK;
@@ -4865,7 +4873,7 @@ static yc_result yci_body_check(yci_context *c, int index, const yc_primitive *p
     }
     for (j = 0; p->type == YC_BOX && j < 3; j++)
         if (!(p->b[j] > 0.0))
-            return yci_fail(
+            return YCI_FAIL(
                 c, YC_ERROR_ARGUMENT, "body.primitives[%d].b[%d] is %g, must be positive", index, j, p->b[j]);
     if (!yci_within(p->ra, 0.0, 1e100)) return yci_body_wrong(c, index, "ra", p->ra, "must be finite and not negative");
     if (p->type == YC_SPHERE && !(p->ra > 0.0)) return yci_body_wrong(c, index, "ra", p->ra, "must be positive");
@@ -4922,18 +4930,19 @@ static yc_result yci_body_init(yci_context *c, const yc_body_desc *desc, yci_bod
     size_t rows = 0;
     int i, j;
     memset(&body, 0, sizeof body);
+    if (!desc) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "body descriptor is NULL");
     if (desc->cookie != YCI_DESC_COOKIE)
-        return yci_fail(
+        return YCI_FAIL(
             c, YC_ERROR_ARGUMENT, "body.cookie is %u, make the struct with yc_body_desc_default()", desc->cookie);
     if (desc->primitive_count < 1 || desc->primitive_count > 65536)
-        return yci_fail(
+        return YCI_FAIL(
             c, YC_ERROR_ARGUMENT, "body.primitive_count is %d, must be in [1, 65536]", desc->primitive_count);
-    if (!desc->primitives) return yci_fail(c, YC_ERROR_ARGUMENT, "body.primitives is NULL");
+    if (!desc->primitives) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "body.primitives is NULL");
     if (!yci_within(desc->smooth_radius, 0.0, 1e100))
-        return yci_fail(
+        return YCI_FAIL(
             c, YC_ERROR_ARGUMENT, "body.smooth_radius is %g, must be finite and not negative", desc->smooth_radius);
     if (!yci_within(desc->friction, 0.0, 10.0))
-        return yci_fail(c, YC_ERROR_ARGUMENT, "body.friction is %g, must be in [0, 10]", desc->friction);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "body.friction is %g, must be in [0, 10]", desc->friction);
     for (i = 0; i < desc->primitive_count; i++) {
         const yc_primitive *p = desc->primitives + i;
         if (yci_body_check(c, i, p)) return YC_ERROR_ARGUMENT;
@@ -5021,7 +5030,7 @@ YC_FN double yci_closest_point_triangle(
         double squared;
         j = i == 2 ? 0 : i + 1;
         squared = yci_closest_point_segment(p, corner[i], corner[j], rel, &t);
-        if (squared >= best) continue;
+        if (i && squared >= best) continue;
         best = squared;
         w[1] = w[2] = w[3] = 0.0;
         w[1 + i] = t - 1.0, w[1 + j] = -t;
@@ -5516,7 +5525,7 @@ static yc_result yci_pairs_find(yci_context *c, const yci_pairs_input *in, yci_p
     memset(&found, 0, sizeof found);
     for (v = 0; v < 3 * (size_t)in->node_count; v++)
         if (!yci_within(in->x[v], -1e100, 1e100))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "contact: position of node %d is %g", (int)(v / 3), in->x[v]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "contact: position of node %d is %g", (int)(v / 3), in->x[v]);
     for (kind = YCI_POINT_TRIANGLE; kind <= YCI_POINT_POINT; kind++)
         if (yci_pairs_join(c, in, kind, &found)) break;
     scratch = kind > YCI_POINT_POINT ? YCI_NEW(c, yci_pair, found.count) : NULL;
@@ -5652,7 +5661,7 @@ static void yci_mixed_partial_body(void *arg, int begin, int end) {
     const yci_mixed *m = s->m;
     int run, i, k;
     for (run = begin; run < end; run++) {
-        double w[9], sum[9] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
+        double w[9] = {0.0}, sum[9] = {0.0};
         if (s->sign != 0.0) yci_mixed_corners(m, run, w);
         for (i = m->run[run]; i < m->run[run + 1]; i++) {
             const double *b = m->beta[i];
@@ -6003,10 +6012,10 @@ static yc_result yci_mass_take(yci_mass *s, const double *mv, const double *mp, 
     for (i = 0; i < m->t_count; i++) s->mv[m->vertex[i]] = 1.0;
     for (i = 0; i < m->vertex_count; i++)
         if (m->is_free[i] && !(s->mv[i] > 0.0))
-            return yci_fail(
+            return YCI_FAIL(
                 m->c, YC_ERROR_SINGULAR, "vertex %d is free, not carried by yarns, and has mass %g", i, mv[i]);
     for (i = 0; i < m->hybrid_count; i++)
-        if (!(mp[i] > 0.0)) return yci_fail(m->c, YC_ERROR_SINGULAR, "hybrid yarn node %d has mass %g", i, mp[i]);
+        if (!(mp[i] > 0.0)) return YCI_FAIL(m->c, YC_ERROR_SINGULAR, "hybrid yarn node %d has mass %g", i, mp[i]);
     for (i = 0; i < m->vertex_count; i++) s->mv[i] = mv[i] / unit;
     for (i = 0; i < m->hybrid_count; i++) s->inverse_mp[i] = unit / mp[i];
     return YC_OK;
@@ -6172,7 +6181,7 @@ static yc_result yci_mass_dense_build(yci_mass_dense *p, int *dim) {
     result = yci_ldl_analyze(m->c, p->a.n, dim, p->a.ptr, p->a.col, NULL, &p->ldl);
     if (result != YC_OK) return result;
     result = yc_lu_create(&m->c->host, n, &p->lu);
-    if (result != YC_OK) return yci_fail(m->c, result, "no memory for a dense matrix of order %d", n);
+    if (result != YC_OK) return YCI_FAIL(m->c, result, "no memory for a dense matrix of order %d", n);
     p->small = (double *)yci_alloc(m->c, (size_t)n, (size_t)n * sizeof(double));
     p->work = YCI_NEW(m->c, double, yci_ldl_work(p->ldl, m->free_count));
     return p->small && p->work ? YC_OK : yci_out_of_memory(m->c, "the dense mass preconditioner");
@@ -6193,7 +6202,7 @@ static yc_result yci_mass_dense_create(yci_context *c, yci_mixed *m, yci_mass_de
 static yc_result yci_mass_dense_factor(yci_mass_dense *p, const double *mv, const double *mp) {
     yci_mixed *m = p->mass.m;
     int t = m->t_count, f = m->free_count, run, i, j, e;
-    size_t n = (size_t)(t + 2 * f);
+    size_t n = (size_t)t + 2 * (size_t)f;
     double *c = p->small, unit = 0.0;
     yc_result result;
     for (i = 0; i < m->hybrid_count; i++) unit += mp[i] / m->hybrid_count;
@@ -6230,7 +6239,7 @@ static yc_result yci_mass_dense_factor(yci_mass_dense *p, const double *mv, cons
     if (t) yci_ldl_solve(p->ldl, c + t + f, t, (int)n, p->work);
     yci_ldl_solve(p->ldl, c + (size_t)(t + f) * n + (size_t)(t + f), f, (int)n, p->work);
     result = yc_lu_factor(p->lu, c, (int)n);
-    return result == YC_OK ? YC_OK : yci_fail(m->c, result, "the dense mass preconditioner: %s", yc_lu_message(p->lu));
+    return result == YC_OK ? YC_OK : YCI_FAIL(m->c, result, "the dense mass preconditioner: %s", yc_lu_message(p->lu));
 }
 
 /* As yci_mass_apply for a filtered r_x; with an unfiltered one, P^-1 of the whole vector, z_x not filtered then. */
@@ -6306,8 +6315,8 @@ typedef struct yci_system {
     yci_ldl *direct;
     double *direct_work;
     yci_ic *ic;
-    /* Coarse columns that move a system node, and by how much; a hybrid node's too: it follows B v, though in q it has no
-     * share of its own. */
+    /* Coarse columns that move a system node, and by how much; a hybrid node's too: it follows B v, though in q it has
+     * no share of its own. */
     int *support_ptr, *support_column;
     double *support_weight;
     unsigned char *is_hybrid, *is_yarn; /* [n] */
@@ -6450,9 +6459,12 @@ static void yci_system_coarse_assemble(yci_system *s) {
         }
     for (i = 0; i < s->coarse_count; i++)
         for (r = 0; r < 3; r++) trace += s->coarse.val[s->coarse.at[s->coarse.diag[i]] + (size_t)(4 * r)];
+    trace *= 1e-10 / (3 * s->coarse_count);
     for (i = 0; i < s->coarse_count; i++)
-        for (r = 0; r < 3; r++)
-            s->coarse.val[s->coarse.at[s->coarse.diag[i]] + (size_t)(4 * r)] += 1e-10 * trace / (3 * s->coarse_count);
+        for (r = 0; r < 3; r++) {
+            double *diagonal = s->coarse.val + s->coarse.at[s->coarse.diag[i]] + (size_t)(4 * r);
+            if (*diagonal < trace) *diagonal += trace;
+        }
 }
 
 /* ---- preconditioners ---- */
@@ -6465,7 +6477,7 @@ static void yci_system_full_mass(const yci_system *s, const double *r, double *z
         const double *m = s->mass + s->mass_at[i];
         int d = s->a.dim[i], a, b, o = s->a.off[i];
         if (s->is_hybrid[i] || !s->is_yarn[i]) continue;
-        yci_block_invert_spd(d, m, m, d + 1, inverse);
+        if (!yci_block_invert_spd(d, m, m, d + 1, inverse)) continue;
         for (a = 0; a < d; a++) {
             double sum = 0.0;
             for (b = 0; b < d; b++) sum += inverse[a * d + b] * r[o + b];
@@ -6969,7 +6981,8 @@ YC_API yc_scene_desc yc_scene_desc_preset(yc_preset preset) {
     d.dt_max = preset == YC_PREVIEW ? 1.0 / 60.0 : preset == YC_REFERENCE ? 1e-3 : 5e-3;
     d.dt_min = 1e-6;
     d.tolerance = preset == YC_PREVIEW ? 1e-4 : preset == YC_REFERENCE ? 1e-8 : 1e-5;
-    d.newton_limit = 40;
+    d.newton_limit = preset == YC_PREVIEW ? 8 : 40;
+    d.best_effort = preset == YC_PREVIEW;
     d.linear_tolerance = preset == YC_REFERENCE ? 1e-6 : 1e-3;
     d.linear_limit = 2000;
     d.contact_stiffness = 200.0;
@@ -7002,7 +7015,7 @@ YC_API yc_seam_desc yc_seam_desc_default(void) {
 /* One line of a descriptor's check: a value, and the range it must lie in; `open` excludes the lower bound. */
 static yc_result yci_scene_range(yci_context *c, const char *field, double value, double lo, double hi, int open) {
     if (value <= hi && (open ? value > lo : value >= lo)) return YC_OK;
-    return yci_fail(c, YC_ERROR_ARGUMENT, "%s = %g must be %s %g and at most %g", field, value,
+    return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s = %g must be %s %g and at most %g", field, value,
         open ? "greater than" : "at least", lo, hi);
 }
 
@@ -7011,15 +7024,16 @@ static yc_result yci_scene_desc_check(yci_context *c, const yc_scene_desc *d) {
     const char *axis[] = {"scene.gravity[0]", "scene.gravity[1]", "scene.gravity[2]"};
     yc_result r = YC_OK;
     int i;
-    if (!d) return yci_fail(c, YC_ERROR_ARGUMENT, "scene descriptor is NULL");
+    if (!d) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "scene descriptor is NULL");
     if (d->cookie != YCI_DESC_COOKIE)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "scene.cookie: not made by yc_scene_desc_default()");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "scene.cookie: not made by yc_scene_desc_default()");
     for (i = 0; i < 3 && r == YC_OK; i++) r = yci_scene_range(c, axis[i], d->gravity[i], -big, big, 0);
     if (r == YC_OK) r = yci_scene_range(c, "scene.dt_max", d->dt_max, 0.0, big, 1);
     if (r == YC_OK) r = yci_scene_range(c, "scene.dt_min", d->dt_min, 0.0, d->dt_max, 1);
     if (r == YC_OK) r = yci_scene_range(c, "scene.tolerance", d->tolerance, 0.0, big, 1);
     if (r == YC_OK) r = yci_scene_range(c, "scene.newton_limit", d->newton_limit, 1.0, 1e9, 0);
-    if (r == YC_OK) r = yci_scene_range(c, "scene.solver", (double)d->solver, 0.0, (double)YC_SOLVER_MASS_DENSE, 0);
+    if (r == YC_OK)
+        r = yci_scene_range(c, "scene.solver", (double)(int)d->solver, 0.0, (double)YC_SOLVER_MASS_DENSE, 0);
     if (r == YC_OK) r = yci_scene_range(c, "scene.linear_tolerance", d->linear_tolerance, 0.0, 1.0, 1);
     if (r == YC_OK) r = yci_scene_range(c, "scene.linear_limit", d->linear_limit, 1.0, 1e9, 0);
     if (r == YC_OK) r = yci_scene_range(c, "scene.stiffness_damping", d->stiffness_damping, 0.0, big, 0);
@@ -7039,7 +7053,7 @@ YC_API yc_result yc_scene_create(const yc_host *host, const yc_scene_desc *desc,
     yci_context c;
     yc_scene *s = NULL;
     yc_result result = yci_context_init(&c, host);
-    if (!out) result = yci_fail(&c, YC_ERROR_ARGUMENT, "out is NULL");
+    if (!out) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "out is NULL");
     else *out = NULL;
     if (result == YC_OK) result = yci_scene_desc_check(&c, desc);
     if (result == YC_OK && !(s = YCI_NEW(&c, yc_scene, 1))) result = yci_out_of_memory(&c, "the scene");
@@ -7154,17 +7168,17 @@ static yc_result yci_array_check(
     int i;
     for (i = 0; values && i < count; i++)
         if (!(values[i] <= hi && (open ? values[i] > lo : values[i] >= lo)))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "cloth.%s[%d] = %g must be %s %g and at most %g", field, i, values[i],
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.%s[%d] = %g must be %s %g and at most %g", field, i, values[i],
                 open ? "greater than" : "at least", lo, hi);
     return YC_OK;
 }
 
 static yc_result yci_cloth_check(yci_context *c, const yc_cloth_desc *d) {
     yc_result r;
-    if (!d) return yci_fail(c, YC_ERROR_ARGUMENT, "cloth descriptor is NULL");
+    if (!d) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth descriptor is NULL");
     if (d->cookie != YCI_DESC_COOKIE)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "cloth.cookie: not made by yc_cloth_desc_default()");
-    if (!d->mesh.vertex_count && !d->yarns) return yci_fail(c, YC_ERROR_ARGUMENT, "cloth has neither mesh nor yarns");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.cookie: not made by yc_cloth_desc_default()");
+    if (!d->mesh.vertex_count && !d->yarns) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth has neither mesh nor yarns");
     r = yci_triangle_material_check(c, &d->material);
     if (r == YC_OK && d->mesh.vertex_count) r = yci_mesh_check(c, &d->mesh);
     if (r == YC_OK && d->yarns) r = yci_yarns_check(c, d->yarns, d->mesh.vertex_count ? &d->mesh : NULL);
@@ -7254,8 +7268,8 @@ static void yci_cloth_start(yc_scene *s, yci_cloth *cloth, const yc_cloth_desc *
 /* Vertices of a new cloth stand before all yarn nodes: those of earlier cloths move up by `shift`. */
 static void yci_scene_shift_nodes(yc_scene *s, int shift) {
     int i, yarn_nodes = s->nodes - s->vertices;
-    size_t bytes = (size_t)yarn_nodes * 3 * sizeof(double), from = (size_t)(3 * s->vertices),
-           to = from + (size_t)(3 * shift);
+    size_t bytes = (size_t)yarn_nodes * 3 * sizeof(double), from = 3 * (size_t)s->vertices,
+           to = from + 3 * (size_t)shift;
     memmove(s->x + to, s->x + from, bytes), memset(s->x + from, 0, (to - from) * sizeof(double));
     memmove(s->velocity + to, s->velocity + from, bytes), memset(s->velocity + from, 0, (to - from) * sizeof(double));
     memmove(s->goal + to, s->goal + from, bytes);
@@ -7311,7 +7325,7 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
 
 static yc_result yci_handle_check(yci_context *c, const char *what, int handle, int count) {
     if (handle >= 0 && handle < count) return YC_OK;
-    return yci_fail(c, YC_ERROR_ARGUMENT, "%s handle %d is not in [0, %d)", what, handle, count);
+    return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s handle %d is not in [0, %d)", what, handle, count);
 }
 
 /* Which way the directed edge (a, b) runs in the triangles: 1 forward, -1 backward, 0 in none. */
@@ -7331,20 +7345,23 @@ static yc_result yci_seam_check(yc_scene *s, const yc_seam_desc *d) {
     const int *chain[2];
     yc_result r;
     int side, i;
-    if (!d) return yci_fail(c, YC_ERROR_ARGUMENT, "seam descriptor is NULL");
+    if (!d) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam descriptor is NULL");
     if (d->cookie != YCI_DESC_COOKIE)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "seam.cookie: not made by yc_seam_desc_default()");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.cookie: not made by yc_seam_desc_default()");
     chain[0] = d->a, chain[1] = d->b;
-    if (d->count < 1) return yci_fail(c, YC_ERROR_ARGUMENT, "seam.count = %d must be at least 1", d->count);
+    if (d->count < 1) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.count = %d must be at least 1", d->count);
     for (side = 0; side < 2; side++) {
         r = yci_handle_check(c, "seam.cloth", d->cloth[side], s->cloth_count);
         if (r != YC_OK) return r;
-        if (!chain[side]) return yci_fail(c, YC_ERROR_ARGUMENT, "seam.%c is NULL", "ab"[side]);
+        if (!chain[side]) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.%c is NULL", "ab"[side]);
         for (i = 0; i < d->count; i++)
             if (chain[side][i] < 0 || chain[side][i] >= s->cloth[d->cloth[side]].desc.mesh.vertex_count)
-                return yci_fail(
+                return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "seam.%c[%d] = %d is no vertex of its cloth", "ab"[side], i, chain[side][i]);
     }
+    for (i = 0; i < d->count; i++)
+        if (s->cloth[d->cloth[0]].vertex + d->a[i] == s->cloth[d->cloth[1]].vertex + d->b[i])
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.b[%d] = %d sews a vertex to itself", i, d->b[i]);
     r = yci_scene_range(c, "seam.stiffness", d->stiffness, 0.0, 1e12, 1);
     if (r == YC_OK) r = yci_scene_range(c, "seam.close_time", d->close_time, 0.0, 1e12, 0);
     if (r == YC_OK) r = yci_scene_range(c, "seam.weld_distance", d->weld_distance, 0.0, 1e12, 0);
@@ -7354,7 +7371,7 @@ static yc_result yci_seam_check(yc_scene *s, const yc_seam_desc *d) {
         int forward = yci_scene_edge_direction(s, a + d->a[i], a + d->a[i + 1]);
         int backward = yci_scene_edge_direction(s, b + d->b[i], b + d->b[i + 1]);
         if (forward && forward == backward)
-            r = yci_fail(c, YC_ERROR_TOPOLOGY,
+            r = YCI_FAIL(c, YC_ERROR_TOPOLOGY,
                 "seam edge %d joins two pieces wound against each other (vertices %d, %d and %d, %d)", i, d->a[i],
                 d->a[i + 1], d->b[i], d->b[i + 1]);
     }
@@ -7424,12 +7441,12 @@ YC_API yc_result yc_scene_move_body(yc_scene *s, int body, const double rotation
         for (j = 0; j < 3; j++) {
             double product = yci_dot(rotation + 3 * i, rotation + 3 * j);
             if (!(fabs(product - (i == j)) < 1e-6))
-                return yci_fail(&s->c, YC_ERROR_ARGUMENT, "rotation is not orthonormal: rows %d and %d have product %g",
+                return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "rotation is not orthonormal: rows %d and %d have product %g",
                     i, j, product);
         }
     for (i = 0; i < 3; i++)
         if (!(fabs(translation[i]) < 1e9))
-            return yci_fail(&s->c, YC_ERROR_ARGUMENT, "translation[%d] = %g is not a place", i, translation[i]);
+            return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "translation[%d] = %g is not a place", i, translation[i]);
     memcpy(pose.r, rotation, sizeof pose.r);
     yci_copy(pose.t, translation);
     s->pose[2 * body + 1] = pose;
@@ -7442,12 +7459,12 @@ static yc_result yci_scene_point(yc_scene *s, int cloth, yc_point kind, int inde
     int count;
     if (result != YC_OK) return result;
     if (kind != YC_VERTEX && kind != YC_NODE)
-        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "kind = %d is neither YC_VERTEX nor YC_NODE", (int)kind);
+        return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "kind = %d is neither YC_VERTEX nor YC_NODE", (int)kind);
     count = kind == YC_VERTEX        ? s->cloth[cloth].desc.mesh.vertex_count
         : s->cloth[cloth].desc.yarns ? s->cloth[cloth].yarns.node_count
                                      : 0;
     if (index < 0 || index >= count)
-        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "%s %d of cloth %d is not in [0, %d)",
+        return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "%s %d of cloth %d is not in [0, %d)",
             kind == YC_VERTEX ? "vertex" : "node", index, cloth, count);
     *node = kind == YC_VERTEX ? s->weld[s->cloth[cloth].vertex + index] : s->cloth[cloth].node + index;
     return YC_OK;
@@ -7459,7 +7476,7 @@ YC_API yc_result yc_scene_pin(yc_scene *s, int cloth, yc_point kind, int index, 
     if (result != YC_OK) return result;
     for (k = 0; position && k < 3; k++)
         if (!(fabs(position[k]) < 1e9))
-            return yci_fail(&s->c, YC_ERROR_ARGUMENT, "pin position[%d] = %g is not a place", k, position[k]);
+            return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "pin position[%d] = %g is not a place", k, position[k]);
     if (!s->pin[node]) yci_model_destroy(s);
     s->pin[node] = 1;
     yci_copy(s->goal + 3 * node, position ? position : s->x + 3 * node);
@@ -7471,7 +7488,7 @@ YC_API yc_result yc_scene_unpin(yc_scene *s, int cloth, yc_point kind, int index
     yc_result result = yci_scene_point(s, cloth, kind, index, &node);
     if (result != YC_OK) return result;
     if (!s->pin[node])
-        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "%s %d of cloth %d is not pinned",
+        return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "%s %d of cloth %d is not pinned",
             kind == YC_VERTEX ? "vertex" : "node", index, cloth);
     s->pin[node] = 0;
     yci_model_destroy(s);
@@ -7484,7 +7501,7 @@ YC_API yc_result yc_scene_set_velocity(yc_scene *s, int cloth, yc_point kind, in
     if (result != YC_OK) return result;
     for (k = 0; k < 3; k++)
         if (!(fabs(velocity[k]) < 1e9))
-            return yci_fail(&s->c, YC_ERROR_ARGUMENT, "velocity[%d] = %g is no speed", k, velocity[k]);
+            return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "velocity[%d] = %g is no speed", k, velocity[k]);
     yci_copy(s->velocity + 3 * node, velocity);
     return YC_OK;
 }
@@ -7547,11 +7564,33 @@ static void yci_build_roles(yc_scene *s, yci_model *m) {
     for (i = 0; i < s->vertices; i++) m->vertices += m->role[i] != YCI_IDLE;
 }
 
+/* A yarn node none of whose segments is left, at the tip of the hybrid region, has neither mass nor stiffness: it is for
+ * drawing only. `held` marks the others, and is free until the pins come. */
+static void yci_build_drop_loners(yc_scene *s, yci_model *m) {
+    int i, k, yarn;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
+        const int base = s->cloth[i].node;
+        for (yarn = 0; y && yarn < y->yarn_count; yarn++)
+            for (k = y->yarn_first[yarn]; k + 1 < y->yarn_first[yarn + 1]; k++) {
+                int a = base + y->visit_node[k], b = base + y->visit_node[k + 1];
+                if (m->role[a] != YCI_IDLE && m->role[b] != YCI_IDLE) m->held[a] = m->held[b] = 1;
+            }
+        for (k = 0; y && k < y->node_count; k++) {
+            int node = base + k;
+            if (m->role[node] == YCI_IDLE || m->held[node]) continue;
+            if (m->role[node] == YCI_FULL) m->full--;
+            else m->hybrid--;
+            m->role[node] = YCI_IDLE, m->share[node] = 0.0, m->dummy++;
+        }
+    }
+}
+
 /* The pin of a vertex that has left the mechanics passes to the nearest yarn node of its triangles, measured in the
  * pattern. */
 static void yci_build_holders(yc_scene *s, yci_model *m) {
     int i, k, j;
-    memcpy(m->held, s->pin, (size_t)s->nodes);
+    if (s->nodes) memcpy(m->held, s->pin, (size_t)s->nodes);
     for (i = 0; i < s->vertices; i++) m->holder[i] = -1;
     for (i = 0; i < s->cloth_count; i++) {
         const yci_cloth *cloth = s->cloth + i;
@@ -7591,6 +7630,10 @@ static const yc_yarn_material *yci_yarn_of(const yci_build *b, int yarn) {
 static int yci_build_active(const yci_build *b, int visit) {
     return b->m->role[b->cloth->node + b->yarns->visit_node[visit]] != YCI_IDLE;
 }
+static int yci_build_full(const yci_build *b, int visit) {
+    return b->m->role[b->cloth->node + b->yarns->visit_node[visit]] == YCI_FULL;
+}
+
 static double yci_build_share(const yci_build *b, int visit) {
     return b->m->share[b->cloth->node + b->yarns->visit_node[visit]];
 }
@@ -7700,7 +7743,8 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
     return 1;
 }
 
-/* Which visits slide: crossings of full nodes, free, with mechanics on both sides. */
+/* Which visits slide: crossings of full nodes, free, between full neighbours. Where alpha changes along a yarn, sliding
+ * would carry material from one weight to another: mass would change, and gravity would drive it. */
 static void yci_build_slots(const yci_build *b, const yci_crossing *crossing) {
     const yc_yarns *y = b->yarns;
     int yarn, visit, k;
@@ -7711,7 +7755,7 @@ static void yci_build_slots(const yci_build *b, const yci_crossing *crossing) {
             if (y->visit_held[visit] || b->m->role[global] != YCI_FULL || b->m->held[global] ||
                 crossing[node].count != 2)
                 continue;
-            if (!yci_build_active(b, visit - 1) || !yci_build_active(b, visit + 1)) continue;
+            if (!yci_build_full(b, visit - 1) || !yci_build_full(b, visit + 1)) continue;
             b->m->visit_slot[b->cloth->visit + visit] = 3;
         }
     for (k = 0; k < y->node_count; k++) { /* the second sliding visit of a node comes behind the first */
@@ -8086,7 +8130,7 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
             yci_build_couplings(s, m, w.pairs);
             yci_build_input(s, m, &w, &in);
             if (in.solver == YC_SOLVER_DIRECT && m->hybrid)
-                result = yci_fail(
+                result = YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "scene.solver: YC_SOLVER_DIRECT cannot solve the %d hybrid nodes", m->hybrid);
             else result = yci_system_create(c, &in, &m->system);
             m->solver = in.solver;
@@ -8154,7 +8198,8 @@ static yc_result yci_scene_build(yc_scene *s) {
     yci_build b;
     yc_result result;
     int i, ok, first, size;
-    if (s->model) return YC_OK;
+    if (s->model && s->model->has_system) return YC_OK;
+    yci_model_destroy(s); /* a search that ran out of memory may have left it without a system */
     s->model = m = YCI_NEW(c, yci_model, 1);
     if (!m) return yci_out_of_memory(c, "the model");
     b.s = s, b.m = m;
@@ -8166,7 +8211,7 @@ static yc_result yci_scene_build(yc_scene *s) {
     m->mass_fixed = YCI_NEW(c, double, s->nodes), m->local = YCI_NEW(c, yci_local, YCI_CHUNK);
     ok = m->held && m->holder && m->role && m->share && m->system_node && m->node_of && m->visit_slot && m->mass &&
         m->mass_fixed && m->local;
-    if (ok) yci_build_roles(s, m), yci_build_holders(s, m);
+    if (ok) yci_build_roles(s, m), yci_build_drop_loners(s, m), yci_build_holders(s, m);
     for (i = 0; ok && i < s->cloth_count; i++) {
         b.cloth = s->cloth + i, b.yarns = yci_cloth_yarns(b.cloth);
         ok = !b.yarns || yci_build_yarns(&b);
@@ -8354,7 +8399,7 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         out->nodes = 1, out->dofs = 0;
         out->node[0] = s->visit_node[e->visit];
         yci_local_slide(s, out, q, 0, e->visit);
-        out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, e->limit, g, h);
+        out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, e->limit, g, h, 1);
         break;
     }
     case YCI_FACE: {
@@ -8706,7 +8751,7 @@ static yc_result yci_direction(yc_scene *s, yc_stats *stats) {
             yci_system_mpcg(&m->system, m->right, m->direction, s->desc.linear_tolerance, s->desc.linear_limit);
     for (i = 0; i < size; i++) slope += m->gradient[i] * m->direction[i];
     m->slope = slope;
-    return slope <= 0.0 ? YC_OK : yci_fail(&s->c, YC_ERROR_DIVERGED, "no descent direction: slope %g", slope);
+    return slope <= 0.0 ? YC_OK : YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "no descent direction: slope %g", slope);
 }
 
 /* How much of the direction keeps every segment's rest length above a tenth of what it is, and nothing passes through
@@ -8745,7 +8790,7 @@ static yc_result yci_line_search(yc_scene *s, double energy, double scale, doubl
         trial = yci_potential(s, 0, &unused);
         if (trial <= energy + 1e-4 * t * m->slope) return YC_OK;
     }
-    return yci_fail(&s->c, YC_ERROR_DIVERGED, "line search: energy %g J does not fall along a direction of slope %g",
+    return YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "line search: energy %g J does not fall along a direction of slope %g",
         energy, m->slope);
 }
 
@@ -8766,18 +8811,24 @@ static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
         stats->seconds_solve += yci_seconds() - clock, clock = yci_seconds();
         if (result != YC_OK) return result == YC_ERROR_MEMORY ? result : YC_ERROR_DIVERGED;
         stats->newton++, stats->correction = stats->residual = 0.0;
+        memcpy(m->right, m->gradient, (size_t)size * sizeof(double));
+        yci_system_reduce(&m->system, m->right); /* what of the gradient is not balanced by the filter */
         for (i = 0; i < size; i++) {
             stats->correction = yci_max(stats->correction, fabs(m->direction[i]));
-            stats->residual = yci_max(stats->residual, fabs(m->gradient[i]));
+            stats->residual = yci_max(stats->residual, fabs(m->right[i]));
         }
         if (!(stats->correction < 1e9))
-            return yci_fail(&s->c, YC_ERROR_DIVERGED, "a Newton step of %g m", stats->correction);
+            return YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "a Newton step of %g m", stats->correction);
         result = yci_line_search(s, energy, scale, stats->correction);
         stats->seconds_assembly += yci_seconds() - clock;
         if (result != YC_OK) return result;
         if (stats->correction <= s->desc.tolerance) return YC_OK;
     }
-    return yci_fail(&s->c, YC_ERROR_DIVERGED, "Newton: correction %g m after %d iterations, tolerance %g m",
+    if (s->desc.best_effort) {
+        stats->unfinished++;
+        return YC_OK;
+    }
+    return YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "Newton: correction %g m after %d iterations, tolerance %g m",
         stats->correction, s->desc.newton_limit, s->desc.tolerance);
 }
 
@@ -8829,7 +8880,7 @@ static void yci_yarn_press(
     int k, there[3];
     for (k = 0; k < 3; k++) {
         int at = visit + k - 1;
-        there[k] = at >= y->yarn_first[yarn] && at < y->yarn_first[yarn + 1];
+        there[k] = k == 1 || (at >= y->yarn_first[yarn] && at < y->yarn_first[yarn + 1]);
         if (!there[k]) continue;
         yci_copy(point[k], s->x + 3 * s->visit_node[cloth->visit + at]);
         yci_scale(point[k] + 3, n, material->radius * y->visit_layer[at]);
@@ -8900,14 +8951,14 @@ static void yci_fit_vertices(yc_scene *s, double *x) {
 
 /* The step starts here. */
 static void yci_keep(yc_scene *s) {
-    memcpy(s->x_n, s->x, (size_t)(3 * s->nodes) * sizeof(double));
-    memcpy(s->u_n, s->u, (size_t)s->visits * sizeof(double));
+    if (s->nodes) memcpy(s->x_n, s->x, 3 * (size_t)s->nodes * sizeof(double));
+    if (s->visits) memcpy(s->u_n, s->u, (size_t)s->visits * sizeof(double));
 }
 
 static void yci_restore(yc_scene *s) {
     int i;
-    memcpy(s->x, s->x_n, (size_t)(3 * s->nodes) * sizeof(double));
-    memcpy(s->u, s->u_n, (size_t)s->visits * sizeof(double));
+    if (s->nodes) memcpy(s->x, s->x_n, 3 * (size_t)s->nodes * sizeof(double));
+    if (s->visits) memcpy(s->u, s->u_n, (size_t)s->visits * sizeof(double));
     for (i = 0; i < s->body_count; i++) s->body[i].pose = s->pose[2 * i];
 }
 
@@ -9012,9 +9063,12 @@ static void yci_weld_state(yc_scene *s, double *sum) {
  * representative speaks for them, so it is copied to all first. */
 static yc_result yci_weld_closed(yc_scene *s) {
     double *sum;
+    yc_result result;
     int i, count = 0;
     for (i = 0; i < s->seam_count; i++) count += yci_seam_is_closed(s, i);
     if (!count) return YC_OK;
+    result = yci_scene_build(s); /* its masses weigh the mean */
+    if (result != YC_OK) return result;
     sum = YCI_NEW(&s->c, double, 7 * (size_t)s->vertices);
     if (!sum) return yci_out_of_memory(&s->c, "welding");
     for (i = 0; i < s->vertices; i++) {
@@ -9049,18 +9103,18 @@ static void yci_state_move(int way, char *buffer, size_t *at, void *data, size_t
     *at += size;
 }
 
-/* All arrays of the state to or from a buffer; returns its size. */
+/* All arrays of the state to or from a buffer, doubles first; returns its size. */
 static size_t yci_state_pass(yc_scene *s, int way, char *buffer) {
     size_t at = sizeof(yci_state_head), nodes = (size_t)s->nodes, visits = (size_t)s->visits;
     yci_state_move(way, buffer, &at, s->x, 3 * nodes * sizeof(double));
     yci_state_move(way, buffer, &at, s->velocity, 3 * nodes * sizeof(double));
     yci_state_move(way, buffer, &at, s->goal, 3 * nodes * sizeof(double));
-    yci_state_move(way, buffer, &at, s->pin, nodes);
     yci_state_move(way, buffer, &at, s->u, visits * sizeof(double));
     yci_state_move(way, buffer, &at, s->slide, visits * sizeof(double));
     yci_state_move(way, buffer, &at, s->anchor, visits * sizeof(double));
-    yci_state_move(way, buffer, &at, s->welded, (size_t)s->seam_count);
     yci_state_move(way, buffer, &at, s->pose, 2 * (size_t)s->body_count * sizeof(yci_pose));
+    yci_state_move(way, buffer, &at, s->pin, nodes);
+    yci_state_move(way, buffer, &at, s->welded, (size_t)s->seam_count);
     return at;
 }
 
@@ -9078,17 +9132,14 @@ static void yci_state_write(yc_scene *s, char *buffer) {
     yci_state_pass(s, YCI_STATE_WRITE, buffer);
 }
 
-/* The model goes when pins or welds differ; `fresh` makes it go anyway, so that nothing of the past is left in it. */
+/* The model goes when welds differ, which a step may change; `fresh` makes it go anyway, so that nothing of the past is
+ * left in it. */
 static void yci_state_read(yc_scene *s, const char *buffer, int fresh) {
+    const char *welded = buffer + yci_state_pass(s, YCI_STATE_ASK, NULL) - (size_t)s->seam_count; /* they come last */
     yci_state_head head;
     int i;
     memcpy(&head, buffer, sizeof head);
-    if (fresh ||
-        memcmp(s->welded,
-            buffer + yci_state_pass(s, YCI_STATE_ASK, NULL) - (size_t)s->seam_count -
-                2 * (size_t)s->body_count * sizeof(yci_pose),
-            (size_t)s->seam_count))
-        yci_model_destroy(s);
+    if (fresh || (s->seam_count && memcmp(s->welded, welded, (size_t)s->seam_count) != 0)) yci_model_destroy(s);
     yci_state_pass(s, YCI_STATE_READ, (char *)buffer);
     s->time = head.time, s->dt = head.dt;
     for (i = 0; i < s->body_count; i++) s->body[i].pose = s->pose[2 * i];
@@ -9097,13 +9148,13 @@ static void yci_state_read(yc_scene *s, const char *buffer, int fresh) {
 
 YC_API yc_result yc_scene_save(yc_scene *s, void *buffer, size_t *size) {
     size_t need = yci_state_pass(s, YCI_STATE_ASK, NULL);
-    if (!size) return yci_fail(&s->c, YC_ERROR_ARGUMENT, "size is NULL");
+    if (!size) return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "size is NULL");
     if (!buffer) {
         *size = need;
         return YC_OK;
     }
     if (*size < need)
-        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "size = %lu bytes, the state needs %lu", (unsigned long)*size,
+        return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "size = %lu bytes, the state needs %lu", (unsigned long)*size,
             (unsigned long)need);
     yci_model_destroy(s);
     yci_state_write(s, (char *)buffer);
@@ -9111,15 +9162,26 @@ YC_API yc_result yc_scene_save(yc_scene *s, void *buffer, size_t *size) {
     return YC_OK;
 }
 
+static int yci_state_head_same(const yci_state_head *a, const yci_state_head *b) {
+    return !memcmp(a->magic, b->magic, sizeof a->magic) && a->vertices == b->vertices && a->nodes == b->nodes &&
+        a->visits == b->visits && a->seams == b->seams && a->bodies == b->bodies;
+}
+
 YC_API yc_result yc_scene_load(yc_scene *s, const void *buffer, size_t size) {
     yci_state_head head, own;
+    size_t i;
     yci_state_head_make(s, &own);
     if (!buffer || size != yci_state_pass(s, YCI_STATE_ASK, NULL))
-        return yci_fail(&s->c, YC_ERROR_PARSE, "a state of %lu bytes is not this scene's", (unsigned long)size);
+        return YCI_FAIL(&s->c, YC_ERROR_PARSE, "a state of %lu bytes is not this scene's", (unsigned long)size);
     memcpy(&head, buffer, sizeof head);
-    own.time = head.time, own.dt = head.dt;
-    if (memcmp(&head, &own, sizeof head) || !(head.time >= 0.0) || !(head.dt > 0.0))
-        return yci_fail(&s->c, YC_ERROR_PARSE, "the state is not this scene's");
+    if (!yci_state_head_same(&head, &own) || !(head.time >= 0.0) || !(head.dt > 0.0))
+        return YCI_FAIL(&s->c, YC_ERROR_PARSE, "the state is not this scene's");
+    for (i = 0; i < 9 * (size_t)s->nodes + 3 * (size_t)s->visits + 24 * (size_t)s->body_count; i++) {
+        double value; /* the doubles of a state come first, in one row */
+        memcpy(&value, (const char *)buffer + sizeof head + i * sizeof value, sizeof value);
+        if (!yci_finite(value))
+            return YCI_FAIL(&s->c, YC_ERROR_PARSE, "number %lu of the state is %g", (unsigned long)i, value);
+    }
     yci_state_read(s, (const char *)buffer, 1);
     return YC_OK;
 }
@@ -9145,7 +9207,7 @@ static yc_result yci_advance(yc_scene *s, double dt, yc_stats *stats) {
         remaining = pieces <= 1.0 ? 0.0 : remaining - step;
         h = yci_min(2.0 * step, s->desc.dt_max);
         if (s->c.host.progress && s->c.host.progress(s->c.host.user, 1.0 - remaining / dt))
-            return yci_fail(&s->c, YC_ERROR_CANCELLED, "cancelled by host.progress");
+            return YCI_FAIL(&s->c, YC_ERROR_CANCELLED, "cancelled by host.progress");
     }
     s->time = start + dt, s->dt = h;
     for (i = 0; i < s->body_count; i++) s->pose[2 * i] = s->body[i].pose = s->pose[2 * i + 1];
@@ -9157,7 +9219,7 @@ static void yci_stats_fill(const yc_scene *s, yc_stats *stats) {
     int i;
     stats->bytes = s->c.bytes, stats->bytes_peak = s->c.peak;
     for (i = 0; i < s->seam_count; i++) stats->welded += s->welded[i];
-    if (!m) return;
+    if (!m || !m->has_system) return;
     stats->vertices = m->vertices, stats->full_nodes = m->full, stats->hybrid_nodes = m->hybrid,
     stats->dummy_nodes = m->dummy;
     stats->hybrid_vertices = m->hybrid_vertices, stats->dofs = yci_system_size(&m->system), stats->solver = m->solver;
@@ -9171,7 +9233,7 @@ YC_API yc_result yc_scene_step(yc_scene *s, double dt, yc_stats *out) {
     yc_result result;
     memset(&stats, 0, sizeof stats);
     if (!(dt > 0.0 && dt < 1e6))
-        return yci_fail(&s->c, YC_ERROR_ARGUMENT, "dt = %g must be greater than 0 and below 1e6 s", dt);
+        return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "dt = %g must be greater than 0 and below 1e6 s", dt);
     before = (char *)yci_alloc(&s->c, yci_state_pass(s, YCI_STATE_ASK, NULL), 1);
     if (!before) return yci_out_of_memory(&s->c, "the state before the step");
     yci_state_write(s, before);
@@ -9247,18 +9309,36 @@ YC_API yc_result yc_scene_momentum(yc_scene *s, double *mass, double linear[3], 
     return YC_OK;
 }
 
+/* Hybrid yarns hang on the vertices that carry them, p = B v + F x: at equilibrium what is left of their gradient is in
+ * the range of B, and a pinned vertex takes its share of it. */
+static void yci_pin_force_of_hybrid(const yc_scene *s, int vertex, double *force) {
+    const yci_model *m = s->model;
+    int i, k, node;
+    for (i = 0; i < s->cloth_count && vertex < s->vertices && m->hybrid; i++) {
+        const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
+        for (node = 0; y && node < y->node_count; node++) {
+            int at = m->system_node[s->cloth[i].node + node];
+            if (m->role[s->cloth[i].node + node] != YCI_HYBRID || at < 0) continue;
+            for (k = 0; k < 3; k++)
+                if (s->triangle[3 * (s->cloth[i].triangle + y->triangle[node]) + k] == vertex)
+                    yci_axpy(force, y->weights[node][k], m->gradient + m->system.a.off[at]);
+        }
+    }
+}
+
 YC_API yc_result yc_scene_pin_force(const yc_scene *s, int cloth, yc_point kind, int index, double force[3]) {
     yc_scene *scene = (yc_scene *)s; /* only its message may change */
     int node;
     yc_result result = yci_scene_point(scene, cloth, kind, index, &node);
     if (result != YC_OK) return result;
     if (!s->model || !s->pin[node])
-        return yci_fail(&scene->c, YC_ERROR_ARGUMENT, "%d of cloth %d has not been pinned in a step", index, cloth);
+        return YCI_FAIL(&scene->c, YC_ERROR_ARGUMENT, "%d of cloth %d has not been pinned in a step", index, cloth);
     if (node < s->vertices && s->model->holder[node] >= 0) node = s->model->holder[node];
     yci_zero(force, 3);
     if (s->model->system_node[node] > -2) return YC_OK;
     yci_copy(force, s->model->reaction + 3 * (-2 - s->model->system_node[node]));
     yci_axpy(force, -s->model->mass_fixed[node], s->desc.gravity);
+    yci_pin_force_of_hybrid(s, node, force);
     return YC_OK;
 }
 
@@ -9295,7 +9375,7 @@ static yc_result yci_vertex_values(yc_scene *s, const yci_cloth *cloth, const do
     yci_fit *fit;
     int i, k;
     for (i = 0; i < cloth->desc.mesh.vertex_count; i++) yci_copy(out[i], value + 3 * s->weld[cloth->vertex + i]);
-    if (!y || !s->model->full) return YC_OK;
+    if (!y || !y->triangle || !s->model->full) return YC_OK;
     fit = YCI_NEW(&s->c, yci_fit, s->vertices);
     if (!fit) return yci_out_of_memory(&s->c, "vertices under full yarns");
     for (i = 0; i < y->node_count; i++)
@@ -9321,7 +9401,9 @@ static yc_result yci_point_values(yc_scene *s, int cloth, yc_point kind, const d
     yc_result result = yci_handle_check(&s->c, "cloth", cloth, s->cloth_count);
     int i, k;
     if (result != YC_OK) return result;
-    if (!out) return yci_fail(&s->c, YC_ERROR_ARGUMENT, "out is NULL");
+    if (kind != YC_VERTEX && kind != YC_NODE)
+        return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "kind = %d is neither YC_VERTEX nor YC_NODE", (int)kind);
+    if (!out) return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "out is NULL");
     result = yci_scene_build(s);
     if (result != YC_OK) return result;
     if (kind == YC_VERTEX) return yci_vertex_values(s, s->cloth + cloth, value, out);
@@ -9490,19 +9572,19 @@ YC_API yc_curve_desc yc_curve_desc_default(void) {
 static yc_result yci_curves_check(yci_context *c, const yc_yarns *yarns, const yc_curve_desc *d, const yc_curves *out) {
     yc_result r;
     int i;
-    if (!yarns) return yci_fail(c, YC_ERROR_ARGUMENT, "yarns is NULL");
-    if (!d) return yci_fail(c, YC_ERROR_ARGUMENT, "curve descriptor is NULL");
-    if (!out) return yci_fail(c, YC_ERROR_ARGUMENT, "out is NULL");
+    if (!yarns) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns is NULL");
+    if (!d) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curve descriptor is NULL");
+    if (!out) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "out is NULL");
     if (d->cookie != YCI_DESC_COOKIE)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "curve.cookie: not made by yc_curve_desc_default()");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curve.cookie: not made by yc_curve_desc_default()");
     if (d->steps < 1 || d->steps > 64)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "curve.steps = %d must be 1 to 64", d->steps);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curve.steps = %d must be 1 to 64", d->steps);
     if (!(d->offset >= 0.0 && d->offset <= 10.0))
-        return yci_fail(c, YC_ERROR_ARGUMENT, "curve.offset = %g must be in [0, 10]", d->offset);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curve.offset = %g must be in [0, 10]", d->offset);
     r = yci_yarns_check(c, yarns, NULL);
     for (i = 0; r == YC_OK && i < yarns->material_count; i++)
         if (yarns->materials[i].radius > YCI_OUTPUT_FAR)
-            r = yci_fail(
+            r = YCI_FAIL(
                 c, YC_ERROR_ARGUMENT, "yarns.materials[%d].radius = %g is beyond 1e30", i, yarns->materials[i].radius);
     return r;
 }
@@ -9591,7 +9673,7 @@ static yc_result yci_curves_fill(yci_context *c, yci_curve_work *w) {
     int yarn, v, i;
     for (i = 0; i < y->node_count; i++)
         if (yci_output_far(w->nodes[i]))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "nodes[%d] = (%g, %g, %g) is not finite or beyond 1e30", i,
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "nodes[%d] = (%g, %g, %g) is not finite or beyond 1e30", i,
                 w->nodes[i][0], w->nodes[i][1], w->nodes[i][2]);
     w->crossing = (int(*)[2])yci_alloc(c, (size_t)y->node_count, sizeof *w->crossing);
     w->point = (double(*)[3])yci_alloc(c, (size_t)y->visit_count, sizeof *w->point);
@@ -9621,14 +9703,14 @@ YC_API yc_result yc_curves_make(const yc_host *host, const yc_yarns *yarns, cons
     memset(&work, 0, sizeof work), memset(&counts, 0, sizeof counts);
     if (r == YC_OK) r = yci_curves_check(&c, yarns, desc, out);
     if (r == YC_OK && !yci_curves_cut(yarns, desc, &counts, NULL))
-        r = yci_fail(&c, YC_ERROR_ARGUMENT, "curve.steps = %d makes more than %d points", desc->steps, INT_MAX);
+        r = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "curve.steps = %d makes more than %d points", desc->steps, INT_MAX);
     if (r == YC_OK && !out->first && !out->points && !out->radius && !out->yarn) *out = counts;
     else if (r == YC_OK && (!out->first || (counts.curve_count && (!out->points || !out->radius || !out->yarn))))
-        r = yci_fail(&c, YC_ERROR_ARGUMENT, "curves: either all arrays are NULL, or none");
+        r = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "curves: either all arrays are NULL, or none");
     else if (r == YC_OK && (out->curve_count != counts.curve_count || out->point_count != counts.point_count))
-        r = yci_fail(&c, YC_ERROR_ARGUMENT, "curves has room for %d curves and %d points, not %d and %d",
+        r = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "curves has room for %d curves and %d points, not %d and %d",
             out->curve_count, out->point_count, counts.curve_count, counts.point_count);
-    else if (r == YC_OK && !nodes) r = yci_fail(&c, YC_ERROR_ARGUMENT, "nodes is NULL");
+    else if (r == YC_OK && !nodes) r = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "nodes is NULL");
     else if (r == YC_OK) {
         work.yarns = yarns, work.nodes = nodes, work.desc = desc, work.out = out;
         r = yci_curves_fill(&c, &work);
@@ -9653,34 +9735,34 @@ static void yci_tube_point(const yc_curves *u, int i, double *x) {
 static yc_result yci_tubes_check(yci_context *c, const yc_curves *u, int sides, const yc_tubes *out, yc_tubes *counts) {
     double triangles;
     int i;
-    if (!u) return yci_fail(c, YC_ERROR_ARGUMENT, "curves is NULL");
-    if (!out) return yci_fail(c, YC_ERROR_ARGUMENT, "out is NULL");
+    if (!u) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curves is NULL");
+    if (!out) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "out is NULL");
     if (sides < 3 || sides > YCI_SIDES_MAX)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "sides = %d must be 3 to %d", sides, YCI_SIDES_MAX);
-    if (u->curve_count < 0) return yci_fail(c, YC_ERROR_ARGUMENT, "curves.curve_count = %d", u->curve_count);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "sides = %d must be 3 to %d", sides, YCI_SIDES_MAX);
+    if (u->curve_count < 0) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curves.curve_count = %d", u->curve_count);
     if (!u->curve_count) return YC_OK;
     if (!u->first || !u->points || !u->radius)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "curves.first, points or radius is NULL");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curves.first, points or radius is NULL");
     for (i = 0; i < u->curve_count; i++)
         if (u->first[i] < 0 || u->first[i + 1] <= u->first[i] || u->first[i + 1] - u->first[i] < 2)
-            return yci_fail(c, YC_ERROR_ARGUMENT, "curves.first[%d] = %d, then %d: each curve needs two points", i,
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curves.first[%d] = %d, then %d: each curve needs two points", i,
                 u->first[i], u->first[i + 1]);
     if (u->first[0] != 0 || u->first[u->curve_count] != u->point_count)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "curves.first runs from %d to %d, not from 0 to %d points", u->first[0],
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curves.first runs from %d to %d, not from 0 to %d points", u->first[0],
             u->first[u->curve_count], u->point_count);
     for (i = 0; i < u->curve_count; i++)
         if (!(u->radius[i] > 0.0f && (double)u->radius[i] <= YCI_OUTPUT_FAR))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "curves.radius[%d] = %g must be > 0", i, (double)u->radius[i]);
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curves.radius[%d] = %g must be > 0", i, (double)u->radius[i]);
     for (i = 0; i < u->point_count; i++) {
         double x[3];
         yci_tube_point(u, i, x);
         if (yci_output_far(x))
-            return yci_fail(c, YC_ERROR_ARGUMENT, "curves.points[%d] = (%g, %g, %g) is not finite or beyond 1e30", i,
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "curves.points[%d] = (%g, %g, %g) is not finite or beyond 1e30", i,
                 x[0], x[1], x[2]);
     }
     triangles = 2.0 * sides * u->point_count;
     if (triangles > (double)INT_MAX)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "%d points with %d sides make too many triangles", u->point_count, sides);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%d points with %d sides make too many triangles", u->point_count, sides);
     counts->triangle_count = (int)triangles, counts->vertex_count = sides * u->point_count + 2 * u->curve_count;
     return YC_OK;
 }
@@ -9780,9 +9862,9 @@ YC_API yc_result yc_tubes_make(const yc_host *host, const yc_curves *curves, int
     if (r == YC_OK) r = yci_tubes_check(&c, curves, sides, out, &counts);
     if (r == YC_OK && !out->positions && !out->normals && !out->triangles) *out = counts;
     else if (r == YC_OK && (!out->positions || !out->normals || !out->triangles))
-        r = yci_fail(&c, YC_ERROR_ARGUMENT, "tubes: either all arrays are NULL, or none");
+        r = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "tubes: either all arrays are NULL, or none");
     else if (r == YC_OK && (out->vertex_count != counts.vertex_count || out->triangle_count != counts.triangle_count))
-        r = yci_fail(&c, YC_ERROR_ARGUMENT, "tubes has room for %d vertices and %d triangles, not %d and %d",
+        r = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "tubes has room for %d vertices and %d triangles, not %d and %d",
             out->vertex_count, out->triangle_count, counts.vertex_count, counts.triangle_count);
     else if (r == YC_OK) {
         work.curves = curves, work.out = out, work.sides = sides;
@@ -9810,7 +9892,7 @@ static yc_result yci_finer_number(yci_context *c, const int *order, yci_finer *m
     for (k = 0; k < total; k++) {
         uses = k && yci_half_same_edge(m->triangles, order[k - 1], order[k]) ? uses + 1 : 0;
         if (uses > 1)
-            return yci_fail(c, YC_ERROR_TOPOLOGY, "triangles[%d], [%d] and [%d] share the edge of vertices %d and %d",
+            return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "triangles[%d], [%d] and [%d] share the edge of vertices %d and %d",
                 order[k - 2] / 3, order[k - 1] / 3, order[k] / 3, yci_half_key(m->triangles, order[k], 0),
                 yci_half_key(m->triangles, order[k], 1));
         if (!uses) m->half[m->edge_count++][1] = -1;
@@ -9836,21 +9918,21 @@ static yc_result yci_finer_make(yci_context *c, yci_finer *m) {
 
 static yc_result yci_finer_check(yci_context *c, const yci_finer *m, const yc_fine *out) {
     int t, k;
-    if (!out) return yci_fail(c, YC_ERROR_ARGUMENT, "out is NULL");
+    if (!out) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "out is NULL");
     if (m->triangle_count < 0 || m->triangle_count > INT_MAX / 12)
-        return yci_fail(
+        return YCI_FAIL(
             c, YC_ERROR_ARGUMENT, "triangle_count = %d must lie in 0 .. %d", m->triangle_count, INT_MAX / 12);
     if (m->vertex_count < 0 || m->vertex_count > INT_MAX / 2)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "vertex_count = %d must lie in 0 .. %d", m->vertex_count, INT_MAX / 2);
-    if (m->triangle_count && !m->triangles) return yci_fail(c, YC_ERROR_ARGUMENT, "triangles is NULL");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "vertex_count = %d must lie in 0 .. %d", m->vertex_count, INT_MAX / 2);
+    if (m->triangle_count && !m->triangles) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "triangles is NULL");
     for (t = 0; t < m->triangle_count; t++) {
         const int *v = m->triangles[t];
         for (k = 0; k < 3; k++)
             if (v[k] < 0 || v[k] >= m->vertex_count)
-                return yci_fail(c, YC_ERROR_ARGUMENT, "triangles[%d][%d] = %d must lie in 0 .. %d", t, k, v[k],
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "triangles[%d][%d] = %d must lie in 0 .. %d", t, k, v[k],
                     m->vertex_count - 1);
         if (v[0] == v[1] || v[1] == v[2] || v[2] == v[0])
-            return yci_fail(
+            return YCI_FAIL(
                 c, YC_ERROR_TOPOLOGY, "triangles[%d] = %d %d %d: a vertex occurs twice", t, v[0], v[1], v[2]);
     }
     return YC_OK;
@@ -9914,11 +9996,11 @@ static yc_result yci_finer_run(yci_context *c, const yci_finer *m, const double 
         return YC_OK;
     }
     if ((vertices && !out->positions) || (triangles && !out->triangles))
-        return yci_fail(c, YC_ERROR_ARGUMENT, "fine: either both arrays are NULL, or none");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "fine: either both arrays are NULL, or none");
     if (out->vertex_count != vertices || out->triangle_count != triangles)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "fine has room for %d vertices and %d triangles, not %d and %d",
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "fine has room for %d vertices and %d triangles, not %d and %d",
             out->vertex_count, out->triangle_count, vertices, triangles);
-    if (vertices && !positions) return yci_fail(c, YC_ERROR_ARGUMENT, "positions is NULL");
+    if (vertices && !positions) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "positions is NULL");
     valence = YCI_NEW(c, int, m->vertex_count);
     if (!valence) return yci_out_of_memory(c, "the valences of a mesh");
     yci_finer_sums(m, positions, out->positions, valence);
@@ -10057,15 +10139,15 @@ static void yci_region_walk(const yc_mesh *mesh, int center, double radius, yci_
 static yc_result yci_region_center(yci_context *c, const yc_mesh *mesh, const double *score, int center, double radius,
     const double *alpha, int *chosen) {
     int v;
-    if (!alpha) return yci_fail(c, YC_ERROR_ARGUMENT, "alpha is NULL");
+    if (!alpha) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "alpha is NULL");
     if (!(radius >= 0.0) || !yci_finite(radius))
-        return yci_fail(c, YC_ERROR_ARGUMENT, "radius = %g must be at least 0", radius);
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "radius = %g must be at least 0", radius);
     if (center < -1 || center >= mesh->vertex_count)
-        return yci_fail(c, YC_ERROR_ARGUMENT, "center = %d, of %d vertices", center, mesh->vertex_count);
-    if (center < 0 && !score) return yci_fail(c, YC_ERROR_ARGUMENT, "center = -1 needs a score");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "center = %d, of %d vertices", center, mesh->vertex_count);
+    if (center < 0 && !score) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "center = -1 needs a score");
     *chosen = center < 0 ? 0 : center;
     for (v = 0; center < 0 && v < mesh->vertex_count; v++) {
-        if (!yci_finite(score[v])) return yci_fail(c, YC_ERROR_ARGUMENT, "score[%d] = %g is not finite", v, score[v]);
+        if (!yci_finite(score[v])) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "score[%d] = %g is not finite", v, score[v]);
         if (score[v] > score[*chosen]) *chosen = v;
     }
     return YC_OK;
@@ -10078,7 +10160,7 @@ YC_API yc_result yc_region_select(const yc_host *host, const yc_mesh *mesh, cons
     int start = 0;
     yc_result r = yci_context_init(&c, host);
     memset(&g, 0, sizeof g);
-    if (r == YC_OK && !mesh) r = yci_fail(&c, YC_ERROR_ARGUMENT, "mesh is NULL");
+    if (r == YC_OK && !mesh) r = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "mesh is NULL");
     if (r == YC_OK) r = yci_mesh_check(&c, mesh);
     if (r == YC_OK) r = yci_region_center(&c, mesh, score, center, radius, alpha, &start);
     if (r == YC_OK) {

@@ -24,7 +24,8 @@ int main(void) {
             triangle[t + 1][0] = a, triangle[t + 1][1] = d, triangle[t + 1][2] = c;
         }
     swatch.mesh.vertex_count = swatch.mesh.uv_count = N * N, swatch.mesh.triangle_count = t;
-    swatch.mesh.positions = position, swatch.mesh.uv = uv, swatch.mesh.triangles = triangle;
+    swatch.mesh.positions = (const double(*)[3])position, swatch.mesh.uv = (const double(*)[2])uv;
+    swatch.mesh.triangles = (const int(*)[3])triangle;
 
     if (yc_scene_create(NULL, &settings, &scene, why) != YC_OK) return puts(why), 1;
     yc_scene_add_cloth(scene, &swatch, &cloth);

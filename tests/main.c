@@ -75,6 +75,10 @@ int test_check_result(yc_result result, yc_result expected, const char *file, in
         result == expected, file, line, "%s gave %s, not %s", text, yc_result_name(result), yc_result_name(expected));
 }
 
+int test_check_text(const char *text, const char *expected, const char *file, int line) {
+    return report(!strcmp(text, expected), file, line, "got \"%s\", not \"%s\"", text, expected);
+}
+
 /* ---- hosts ------------------------------------------------------------------------------------------------------- */
 
 #define COOKIE 16 /* in front of every block, for its size; keeps the alignment of malloc */
@@ -173,6 +177,8 @@ yc_host test_host_failing(int n) {
     return host;
 }
 
+void test_heap_grant(int n) { granted = n; }
+
 yc_host test_host_counting(void) { return test_host_failing(-1); }
 
 yc_host test_host_threads(int workers) {
@@ -198,6 +204,40 @@ double test_random(uint64_t *state, double low, double high) {
 }
 
 int test_random_int(uint64_t *state, int count) { return (int)(random_bits(state) % (uint64_t)count); }
+
+void test_random_array(uint64_t *state, double low, double high, double *x, int count) {
+    int i;
+    for (i = 0; i < count; i++) x[i] = test_random(state, low, high);
+}
+
+/* ---- matrices ---------------------------------------------------------------------------------------------------- */
+
+/* Cyclic Jacobi: turns the plane of i and j so that entry (i, j) vanishes, until nothing is left. */
+double test_lowest_eigenvalue(const double *a, int n, double *largest) {
+    double m[144], lowest, most = 0.0;
+    int sweep, i, j, k;
+    memcpy(m, a, sizeof(double) * (size_t)(n * n));
+    for (sweep = 0; sweep < 30; sweep++)
+        for (i = 0; i < n; i++)
+            for (j = i + 1; j < n; j++) {
+                double angle, c, s;
+                if (m[n * i + j] == 0.0) continue;
+                angle = 0.5 * atan2(2.0 * m[n * i + j], m[n * j + j] - m[n * i + i]);
+                c = cos(angle), s = sin(angle);
+                for (k = 0; k < n; k++) {
+                    double x = m[n * i + k], y = m[n * j + k];
+                    m[n * i + k] = c * x - s * y, m[n * j + k] = s * x + c * y;
+                }
+                for (k = 0; k < n; k++) {
+                    double x = m[n * k + i], y = m[n * k + j];
+                    m[n * k + i] = c * x - s * y, m[n * k + j] = s * x + c * y;
+                }
+            }
+    lowest = m[0];
+    for (i = 0; i < n; i++) lowest = fmin(lowest, m[n * i + i]), most = fmax(most, fabs(m[n * i + i]));
+    if (largest) *largest = most;
+    return lowest;
+}
 
 /* ---- main -------------------------------------------------------------------------------------------------------- */
 

@@ -20,6 +20,7 @@
 #define CHECK_NEAR_ALL(a, b, count, tolerance) \
     test_check_near_all((a), (b), (int)(count), (tolerance), __FILE__, __LINE__, #a, #b)
 #define CHECK_RESULT(call, expected) test_check_result((call), (expected), __FILE__, __LINE__, #call)
+#define CHECK_TEXT(text, expected) test_check_text((text), (expected), __FILE__, __LINE__)
 
 int test_check(int held, const char *file, int line, const char *text);
 int test_check_near(
@@ -27,6 +28,7 @@ int test_check_near(
 int test_check_near_all(const double *a, const double *b, int count, double tolerance, const char *file, int line,
     const char *text_a, const char *text_b);
 int test_check_result(yc_result result, yc_result expected, const char *file, int line, const char *text);
+int test_check_text(const char *text, const char *expected, const char *file, int line);
 
 /* ---- hosts ----------------------------------------------------------------------------------------------------------
  * All share one count of the heap, which each of these functions sets to zero. Blocks of one host may be freed through
@@ -45,6 +47,9 @@ yc_host test_host_counting(void);
 /* Grants n allocations and refuses every later one. */
 yc_host test_host_failing(int n);
 
+/* From now on grants n allocations, all when n is negative, and goes on counting. */
+void test_heap_grant(int n);
+
 /* Runs parallel_for on that many threads, at most TEST_WORKERS; 0 runs it inline from the last index to the first, as
  * all of them do where there are no threads. */
 #define TEST_WORKERS 32
@@ -55,5 +60,12 @@ yc_host test_host_threads(int workers);
 
 double test_random(uint64_t *state, double low, double high);
 int test_random_int(uint64_t *state, int count); /* 0 .. count-1 */
+void test_random_array(uint64_t *state, double low, double high, double *x, int count);
+
+/* ---- matrices ---------------------------------------------------------------------------------------------------- */
+
+/* The lowest eigenvalue of the symmetric n x n matrix a, n at most 12. *largest, unless NULL, receives the greatest
+ * magnitude of all. */
+double test_lowest_eigenvalue(const double *a, int n, double *largest);
 
 #endif

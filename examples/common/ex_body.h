@@ -10,14 +10,14 @@ typedef struct ex_section {
 
 typedef struct ex_cone {
     char name[EX_NAME_SIZE];
-    double a[3], b[3];      /* a sphere of radius ra at a and one of radius rb at b, and their convex hull */
+    double a[3], b[3]; /* a sphere of radius ra at a and one of radius rb at b, and their convex hull */
     double ra, rb;
 } ex_cone;
 
 typedef struct ex_body {
-    double exponent;        /* of the superellipses */
-    double blend;           /* the smooth union's reach, m */
-    ex_section *sections;   /* upwards */
+    double exponent;      /* of the superellipses */
+    double blend;         /* the smooth union's reach, m */
+    ex_section *sections; /* upwards */
     int section_count;
     ex_cone *cones;
     int cone_count;

@@ -1,8 +1,8 @@
 /* Animated cloth and yarns for other programs: USD text, and PC2 point caches beside an OBJ.
  *
- * A USD file holds one mesh or one bundle of curves or both, with the points of every frame.  Frames are written as they
- * come, so nothing has to be kept; USD wants all frames of one prim together, hence each prim collects its frames in a
- * temporary file beside the result. */
+ * A USD file holds one mesh or one bundle of curves or both, with the points of every frame.  Frames are written as
+ * they come, so nothing has to be kept; USD wants all frames of one prim together, hence each prim collects its frames
+ * in a temporary file beside the result. */
 #ifndef EX_CACHE_H
 #define EX_CACHE_H
 
@@ -10,13 +10,13 @@
 
 typedef struct ex_usd {
     char path[512], temporary[2][544];
-    FILE *frames[2];            /* of the mesh and of the curves */
+    FILE *frames[2]; /* of the mesh and of the curves */
     double rate;
     int frame_count[2];
     int vertex_count, triangle_count;
     int (*triangles)[3];
     int line_count;
-    int *first;                 /* of each line, and the end */
+    int *first; /* of each line, and the end */
     double *radii;
     int failed;
 } ex_usd;

@@ -4,7 +4,7 @@
 
 typedef struct ex_image {
     int width, height;
-    unsigned char *rgb;     /* rows from the top */
+    unsigned char *rgb; /* rows from the top */
 } ex_image;
 
 /* A new image in one colour (0..255).  NULL when out of memory. */
@@ -28,15 +28,15 @@ int ex_image_text_width(int scale, const char *text);
 /* A line plot in a rectangle of an image. */
 typedef struct ex_plot {
     ex_image *image;
-    int left, top, width, height;   /* the area inside the axes */
+    int left, top, width, height; /* the area inside the axes */
     double x0, x1, y0, y1;
-    int scale;                      /* of the text */
+    int scale; /* of the text */
     int legend_rows;
 } ex_plot;
 
 /* Draws the frame, ticks at round numbers and the labels inside the given rectangle of the image. */
 void ex_plot_begin(ex_plot *plot, ex_image *image, int x, int y, int width, int height, double x0, double x1, double y0,
-                   double y1, const char *title, const char *x_label, const char *y_label);
+    double y1, const char *title, const char *x_label, const char *y_label);
 void ex_plot_curve(ex_plot *plot, const double *xs, const double *ys, int count, int color, const char *name);
 void ex_plot_points(ex_plot *plot, const double *xs, const double *ys, int count, int color, const char *name);
 

@@ -12,13 +12,7 @@
 #define EX_ERROR_SIZE 256
 #define EX_NAME_SIZE 32
 
-typedef enum ex_place {
-    EX_PLACE_NONE,
-    EX_PLACE_FRONT,
-    EX_PLACE_BACK,
-    EX_PLACE_SLEEVE_L,
-    EX_PLACE_SLEEVE_R
-} ex_place;
+typedef enum ex_place { EX_PLACE_NONE, EX_PLACE_FRONT, EX_PLACE_BACK, EX_PLACE_SLEEVE_L, EX_PLACE_SLEEVE_R } ex_place;
 
 typedef struct ex_piece {
     char name[EX_NAME_SIZE];
@@ -30,7 +24,7 @@ typedef struct ex_piece {
 typedef struct ex_edge {
     char name[EX_NAME_SIZE];
     int piece;
-    int *vertices;          /* along the outline */
+    int *vertices; /* along the outline */
     int count;
 } ex_edge;
 
@@ -53,7 +47,7 @@ typedef struct ex_pattern {
     int edge_count;
     ex_seam *seams;
     int seam_count;
-    int (*pairs)[2];        /* vertices sewn together, seam after seam */
+    int (*pairs)[2]; /* vertices sewn together, seam after seam */
     int pair_count;
 } ex_pattern;
 
@@ -66,7 +60,7 @@ void ex_pattern_vertex_uv(const ex_pattern *pattern, double (*uv)[2]);
 
 /* Writes triangles, with uv when `uv` is not NULL.  Returns 1, or 0 when the file cannot be written. */
 int ex_obj_write(const char *path, const double (*positions)[3], int vertex_count, const int (*triangles)[3],
-                 int triangle_count, const double (*uv)[2], int uv_count, const int (*uv_triangles)[3]);
+    int triangle_count, const double (*uv)[2], int uv_count, const int (*uv_triangles)[3]);
 
 /* Writes polylines as pairs of points, which every reader takes.  first[i] .. first[i + 1] - 1 are line i's points. */
 int ex_obj_write_lines(const char *path, const double (*positions)[3], const int *first, int line_count);

@@ -10,10 +10,10 @@
 #include "ex_obj.h"
 
 typedef struct ex_placement {
-    double clearance;       /* smallest distance of a vertex from the body, m */
-    double seam_gap;        /* largest distance between two vertices to be sewn together, m */
+    double clearance; /* smallest distance of a vertex from the body, m */
+    double seam_gap;  /* largest distance between two vertices to be sewn together, m */
     double seam_mean;
-    double stretch_low;     /* smallest and largest edge length over its rest length */
+    double stretch_low; /* smallest and largest edge length over its rest length */
     double stretch_high;
 } ex_placement;
 

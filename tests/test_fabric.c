@@ -1,0 +1,854 @@
+/* Tests of chapter `fabric`: weaves laid over pieces, their ends, rods along seams, checks of meshes and networks. */
+#include "internals.h"
+#include "test.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define ROOM 4000 /* vertices, UVs and triangles of a test mesh */
+
+typedef struct {
+    int vertices, uvs, triangles;
+    double position[ROOM][3], uv[ROOM][2];
+    int triangle[ROOM][3], uv_triangle[ROOM][3];
+} mesh_room;
+
+static mesh_room room; /* one mesh at a time */
+
+static yc_mesh room_mesh(void) {
+    yc_mesh m;
+    memset(&m, 0, sizeof m);
+    m.vertex_count = room.vertices, m.uv_count = room.uvs, m.triangle_count = room.triangles;
+    m.positions = (const double(*)[3])room.position, m.uv = (const double(*)[2])room.uv;
+    m.triangles = (const int(*)[3])room.triangle, m.uv_triangles = (const int(*)[3])room.uv_triangle;
+    return m;
+}
+
+/* Adds a piece: the cells of nx x ny whose letter in `mask` (rows from below; NULL: all) is '#', each h wide. Its
+ * pattern begins at (u, v), its mesh at (x, y, 0). If asked it is welded to the vertices that are already there. */
+static void add_piece(int nx, int ny, const char *mask, double h, double u, double v, double x, double y, int weld) {
+    int vertex[1000], uv[1000], i, j, k, c;
+    for (k = 0; k < 1000; k++) vertex[k] = -1;
+    for (j = 0; j < ny; j++)
+        for (i = 0; i < nx; i++) {
+            int corner[4];
+            if (mask && mask[j * nx + i] != '#') continue;
+            for (c = 0; c < 4; c++) {
+                int ci = i + (c == 1 || c == 2), cj = j + (c >= 2), at = cj * (nx + 1) + ci;
+                corner[c] = at;
+                if (vertex[at] >= 0) continue;
+                uv[at] = room.uvs;
+                room.uv[room.uvs][0] = u + ci * h, room.uv[room.uvs++][1] = v + cj * h;
+                for (k = 0; k < room.vertices && vertex[at] < 0; k++)
+                    if (weld && fabs(room.position[k][0] - x - ci * h) + fabs(room.position[k][1] - y - cj * h) < 1e-9)
+                        vertex[at] = k;
+                if (vertex[at] >= 0) continue;
+                vertex[at] = room.vertices;
+                room.position[room.vertices][0] = x + ci * h, room.position[room.vertices][1] = y + cj * h;
+                room.position[room.vertices++][2] = 0.0;
+            }
+            for (k = 0; k < 2; k++) {
+                int flip = (i + j) % 2, t[3];
+                t[0] = corner[flip ? 3 : 0], t[1] = corner[k ? (flip ? 1 : 2) : (flip ? 0 : 1)];
+                t[2] = corner[k ? (flip ? 2 : 3) : (flip ? 1 : 2)];
+                for (c = 0; c < 3; c++) {
+                    room.triangle[room.triangles][c] = vertex[t[c]];
+                    room.uv_triangle[room.triangles][c] = uv[t[c]];
+                }
+                room.triangles++;
+            }
+        }
+}
+
+static void clear_room(void) { memset(&room, 0, sizeof room); }
+
+static double distance(const double *a, const double *b) {
+    double d[3];
+    yci_sub(d, a, b);
+    return yci_norm(d);
+}
+
+/* Whether a node with these weights lies on an edge of its triangle, and which half-edge that is. */
+static int half_of(const yc_yarns *y, int node) {
+    int k;
+    for (k = 0; k < 3; k++)
+        if (y->weights[node][(k + 2) % 3] == 0.0) return 3 * y->triangle[node] + k;
+    return -1;
+}
+
+/* All that holds for every weave. Returns the summed length of warps and wefts. */
+static double check_weave(const yc_yarns *y, const yc_mesh *mesh, double grain) {
+    char message[YC_MESSAGE_SIZE];
+    int i, k, *visits = (int *)calloc((size_t)y->node_count, sizeof(int));
+    int *other = (int *)calloc((size_t)y->node_count, sizeof(int)); /* 1 + the first visit of a node */
+    double length = 0.0, along[2][3];
+    CHECK_RESULT(yc_yarns_check(y, mesh, message), YC_OK);
+    CHECK_TEXT(message, "");
+    along[0][0] = -sin(grain), along[0][1] = cos(grain), along[0][2] = 0.0;
+    along[1][0] = cos(grain), along[1][1] = sin(grain), along[1][2] = 0.0;
+    for (k = 0; k < y->visit_count; k++) visits[y->visit_node[k]]++;
+    for (i = 0; i < y->yarn_count; i++) {
+        int first = y->yarn_first[i], last = y->yarn_first[i + 1] - 1, family = y->yarn_family[i], crossings = 0;
+        CHECK(y->yarn_material[i] == family);
+        CHECK(y->visit_u[first] == 0.0);
+        CHECK(y->visit_held[first] && y->visit_held[last]);
+        for (k = first; k <= last; k++) {
+            int node = y->visit_node[k], before = k > first ? y->visit_node[k - 1] : node;
+            if (family == YC_ROD) CHECK(visits[node] == 2 && y->visit_held[k]);
+            if (visits[node] == 1) CHECK(y->visit_layer[k] == 0);
+            if (k > first && k < last) CHECK(!y->visit_held[k] == (family != YC_ROD && visits[node] == 2));
+            crossings += y->visit_layer[k] != 0;
+            if (visits[node] == 2 && !other[node]) other[node] = k + 1;
+            else if (visits[node] == 2) {
+                CHECK(y->visit_layer[k] + y->visit_layer[other[node] - 1] == 0);
+                CHECK((y->visit_layer[k] == 0) == (family == YC_ROD)); /* rods come last */
+            }
+            if (k == first || family == YC_ROD) continue;
+            CHECK_NEAR(y->visit_u[k] - y->visit_u[k - 1], distance(y->layout[node], y->layout[before]), 1e-15);
+        }
+        if (family == YC_ROD) continue;
+        CHECK(crossings >= 1);
+        length += y->visit_u[last];
+        { /* straight along the grain, but for ends that were moved along a seam */
+            double d[3];
+            yci_sub(d, y->layout[y->visit_node[last]], y->layout[y->visit_node[first]]);
+            CHECK(yci_dot(d, along[family]) > 0.98 * yci_norm(d));
+        }
+    }
+    for (i = 0; i < y->node_count && mesh; i++) {
+        const int *t = (mesh->uv_triangles ? mesh->uv_triangles : mesh->triangles)[y->triangle[i]];
+        double place[2] = {0.0, 0.0};
+        for (k = 0; k < 3; k++) {
+            CHECK(y->weights[i][k] >= -1e-12);
+            place[0] += y->weights[i][k] * mesh->uv[t[k]][0], place[1] += y->weights[i][k] * mesh->uv[t[k]][1];
+        }
+        CHECK_NEAR_ALL(place, y->layout[i], 2, 1e-12);
+        CHECK(y->layout[i][2] == 0.0);
+    }
+    free(visits);
+    free(other);
+    return length;
+}
+
+static int count_family(const yc_yarns *y, int family) {
+    int i, count = 0;
+    for (i = 0; i < y->yarn_count; i++) count += y->yarn_family[i] == family;
+    return count;
+}
+
+static int count_crossings(const yc_yarns *y) {
+    int k, count = 0;
+    for (k = 0; k < y->visit_count; k++) count += y->visit_layer[k] != 0;
+    return count / 2;
+}
+
+static void node_position(const yc_yarns *y, int node, double *x) {
+    const int *t = room.triangle[y->triangle[node]];
+    int k;
+    yci_zero(x, 3);
+    for (k = 0; k < 3; k++) yci_axpy(x, y->weights[node][k], room.position[t[k]]);
+}
+
+TEST(fabric_rectangle) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_yarns y;
+    int i, k;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(y.node_count == 80 * 80 + 4 * 80 && y.yarn_count == 160 && y.visit_count == 160 * 82);
+    CHECK(y.triangle == NULL && y.weights == NULL && y.material_count == 3);
+    CHECK_NEAR(check_weave(&y, NULL, 0.0), 2.0 * 0.2 * 0.2 / 2.5e-3, 1e-10);
+    CHECK(y.materials[2].density == 30e-6);
+    for (i = 0; i < y.yarn_count; i++)
+        for (k = y.yarn_first[i]; k < y.yarn_first[i + 1]; k++) {
+            int n = k - y.yarn_first[i], line = i % 80, family = i / 80;
+            const double *x = y.layout[y.visit_node[k]];
+            double along = n == 0 ? 0.0 : n == 81 ? 0.2 : (n - 0.5) * 2.5e-3;
+            CHECK_NEAR(x[family], (line + 0.5) * 2.5e-3, 1e-15);
+            CHECK_NEAR(x[1 - family], along, 1e-15);
+            CHECK_NEAR(y.visit_u[k], along, 1e-14);
+            /* Plain weave: warp 0 passes over weft 0. */
+            if (n > 0 && n < 81) CHECK(y.visit_layer[k] == ((line + n - 1) % 2 == family ? 1 : -1));
+        }
+    yc_yarns_destroy(&y);
+    CHECK(y.layout == NULL && y.owner == NULL);
+    yc_yarns_destroy(&y);
+    yc_yarns_destroy(NULL);
+}
+
+/* Tails of 0.7, 0.1 and 0 spacings at the far sides; different spacings. */
+TEST(fabric_rectangle_tails) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_yarns y;
+    d.spacing[0] = 0.002, d.spacing[1] = 0.004;
+    d.size[0] = 10.2 * 0.002, d.size[1] = 6.6 * 0.004; /* 10 warps, tail 0.7; 7 wefts, tail 0.1 */
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(count_family(&y, YC_WARP) == 10 && count_family(&y, YC_WEFT) == 7 && count_crossings(&y) == 70);
+    CHECK(y.node_count == 70 + 10 + 14); /* warps have one tip, wefts two */
+    CHECK_NEAR(check_weave(&y, NULL, 0.0), 10 * 6.5 * 0.004 + 7 * 10.2 * 0.002, 1e-12);
+    yc_yarns_destroy(&y);
+    d.size[0] = 10.5 * 0.002; /* a line on the edge is not laid */
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(count_family(&y, YC_WARP) == 10);
+    yc_yarns_destroy(&y);
+}
+
+TEST(fabric_draft) {
+    static const unsigned char draft[6] = {1, 0, 0, 0, 9, 1}; /* warps 0..2 over weft 0, then over weft 1 */
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_yarns y;
+    int i, n;
+    d.draft = draft, d.repeat[0] = 3, d.repeat[1] = 2, d.size[0] = d.size[1] = 0.025;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    check_weave(&y, NULL, 0.0);
+    for (i = 0; i < 10; i++)
+        for (n = 0; n < 10; n++) CHECK(y.visit_layer[y.yarn_first[i] + 1 + n] == (draft[n % 2 * 3 + i % 3] ? 1 : -1));
+    yc_yarns_destroy(&y);
+}
+
+TEST(fabric_l_shape) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    int i;
+    clear_room();
+    add_piece(4, 4,
+        "####"
+        "####"
+        "##.."
+        "##..",
+        0.01, 0.3, -0.7, 0.0, 0.0, 0);
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    CHECK(y.yarn_count == 32 && count_crossings(&y) == 192 && y.node_count == 192 + 64);
+    CHECK_NEAR(check_weave(&y, &mesh, 0.0), 2.0 * 12e-4 / 2.5e-3, 1e-12);
+    for (i = 0; i < y.yarn_count; i++) { /* the upper ends of the warps, the right ends of the wefts */
+        const double *x = y.layout[y.visit_node[y.yarn_first[i + 1] - 1]];
+        int f = y.yarn_family[i];
+        double at = x[f] - (f ? -0.7 : 0.3);
+        CHECK_NEAR(x[1 - f] - (f ? 0.3 : -0.7), at < 0.02 ? 0.04 : 0.02, 1e-15);
+    }
+    yc_yarns_destroy(&y);
+}
+
+/* A comb: its wefts are cut into three yarns each above the back. */
+TEST(fabric_concave) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    clear_room();
+    add_piece(5, 3,
+        "#####"
+        "#.#.#"
+        "#.#.#",
+        0.01, 0.0, 0.0, 0.0, 0.0, 0);
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    CHECK(count_family(&y, YC_WARP) == 20 && count_family(&y, YC_WEFT) == 4 + 3 * 8);
+    CHECK(count_crossings(&y) == 4 * 20 + 8 * 12);
+    CHECK_NEAR(check_weave(&y, &mesh, 0.0), 2.0 * 11e-4 / 2.5e-3, 1e-12);
+    yc_yarns_destroy(&y);
+    clear_room(); /* a frame: a hole */
+    add_piece(3, 3,
+        "###"
+        "#.#"
+        "###",
+        0.01, 0.0, 0.0, 0.0, 0.0, 0);
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    CHECK(y.yarn_count == 2 * (8 + 8) && count_crossings(&y) == 144 - 16);
+    check_weave(&y, &mesh, 0.0);
+    yc_yarns_destroy(&y);
+}
+
+/* Half a ring, bent from a strip: exact clips on slanted edges; yarn ends of every length. */
+TEST(fabric_ring) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    double area = 0.0, length, kept = 0.0;
+    int i, k;
+    clear_room();
+    add_piece(40, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
+    for (i = 0; i < room.uvs; i++) {
+        double angle = YCI_PI * room.uv[i][0] / 0.4, r = 0.14 - room.uv[i][1];
+        room.uv[i][0] = -r * cos(angle), room.uv[i][1] = -r * sin(angle);
+    }
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    for (i = 0; i < room.triangles; i++) {
+        const double *a = room.uv[room.uv_triangle[i][0]], *b = room.uv[room.uv_triangle[i][1]];
+        const double *c = room.uv[room.uv_triangle[i][2]];
+        area += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+    }
+    length = check_weave(&y, &mesh, 0.0);
+    CHECK_NEAR(length, 2.0 * area / 2.5e-3, 0.02 * length);
+    CHECK_NEAR(count_crossings(&y), area / 2.5e-3 / 2.5e-3, 0.02 * area / 2.5e-3 / 2.5e-3);
+    for (i = 0; i < y.yarn_count; i++)
+        for (k = 0; k < 2; k++) {
+            int visit = k ? y.yarn_first[i + 1] - 1 : y.yarn_first[i], node = y.visit_node[visit];
+            double tail = k ? y.visit_u[visit] - y.visit_u[visit - 1] : y.visit_u[visit + 1];
+            if (y.visit_layer[visit]) continue;
+            CHECK(half_of(&y, node) >= 0); /* on the outline */
+            CHECK(tail >= 0.3 * 2.5e-3);
+            kept += tail;
+        }
+    CHECK(kept > 0.0);
+    yc_yarns_destroy(&y);
+}
+
+/* Two pieces at the same UVs: every node lies in a triangle of its own piece. */
+TEST(fabric_pieces_overlap) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    int i, k;
+    clear_room();
+    add_piece(4, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
+    add_piece(4, 3, NULL, 0.01, 0.0, 0.0, 1.0, 0.0, 0);
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    CHECK(y.yarn_count == 32 + 28 && count_crossings(&y) == 256 + 192);
+    check_weave(&y, &mesh, 0.0);
+    for (i = 0; i < y.yarn_count; i++)
+        for (k = y.yarn_first[i]; k < y.yarn_first[i + 1]; k++) CHECK((y.triangle[y.visit_node[k]] < 32) == (i < 32));
+    yc_yarns_destroy(&y);
+    for (i = 0; i < 24; i++) /* the same with UV indices shared by both pieces, which the mesh keeps apart */
+        for (k = 0; k < 3; k++) room.uv_triangle[32 + i][k] = room.uv_triangle[i][k];
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    CHECK(y.yarn_count == 32 + 28 && count_crossings(&y) == 256 + 192);
+    check_weave(&y, &mesh, 0.0);
+    yc_yarns_destroy(&y);
+}
+
+/* Doubles the vertices and UVs of the line u = `at` up to `height` for the triangles to its right. */
+static void slit(double at, double height) {
+    int i, k, n, old_uvs = room.uvs;
+    for (n = 0; n < old_uvs; n++) {
+        int vertex = room.vertices, used = 0;
+        if (fabs(room.uv[n][0] - at) > 1e-9 || room.uv[n][1] > height) continue;
+        for (i = 0; i < room.triangles; i++)
+            for (k = 0; k < 3; k++) {
+                const int *t = room.uv_triangle[i];
+                if (t[k] != n || room.uv[t[0]][0] + room.uv[t[1]][0] + room.uv[t[2]][0] < 3.0 * at) continue;
+                yci_copy(room.position[vertex], room.position[room.triangle[i][k]]);
+                room.triangle[i][k] = vertex, room.uv_triangle[i][k] = room.uvs, used = 1;
+            }
+        if (!used) continue;
+        room.uv[room.uvs][0] = room.uv[n][0], room.uv[room.uvs][1] = room.uv[n][1];
+        room.uvs++, room.vertices++;
+    }
+}
+
+/* Two edges of one piece at the same UVs: the wefts that meet the slit are cut, and end each on its own side. */
+static void check_slit(double shift) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    int i, k, c, old, ends = 0;
+    clear_room();
+    add_piece(4, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
+    old = room.uvs;
+    slit(0.02, 0.015);
+    for (i = 0; i < room.uvs; i++) room.uv[i][0] += 0.137 * room.uv[i][1] + (i < old ? 0.0 : shift);
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    CHECK(count_family(&y, YC_WEFT) == 16 + 8);
+    check_weave(&y, &mesh, 0.0);
+    for (i = 0; i < y.yarn_count; i++) {
+        double least = 1.0, most = -1.0;
+        if (y.yarn_family[i] != YC_WEFT || y.layout[y.visit_node[y.yarn_first[i]]][1] > 0.02) continue;
+        for (k = y.yarn_first[i]; k < y.yarn_first[i + 1]; k++) { /* a yarn stays in triangles of one side */
+            int t = y.triangle[y.visit_node[k]];
+            double u = -0.02;
+            for (c = 0; c < 3; c++) {
+                const double *uv = room.uv[room.uv_triangle[t][c]];
+                u += (uv[0] - 0.137 * uv[1]) / 3.0;
+            }
+            least = yci_min(least, u), most = yci_max(most, u);
+        }
+        CHECK(least > 0.0 || most < 0.0);
+        ends++;
+    }
+    CHECK(ends == 16);
+    yc_yarns_destroy(&y);
+}
+
+TEST(fabric_slit) {
+    check_slit(0.0);
+    check_slit(1e-13);
+    check_slit(-1e-13); /* as rounding may have it: the sides overlap */
+}
+
+/* Lattice lines that run exactly along edges of the mesh and of the outline. */
+TEST(fabric_on_edges) {
+    char mask[16 * 16 + 1];
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    int i;
+    for (i = 0; i < 256; i++) mask[i] = i % 16 >= 7 && i / 16 >= 7 ? '.' : '#';
+    for (i = 0; i < 4; i++) {
+        clear_room();
+        add_piece(16, 16, mask, 0.00125, i % 2 * 0.1, 0.0, 0.0, 0.0, 0);
+        d.grain = i / 2 * 0.5 * YCI_PI;
+        mesh = room_mesh();
+        if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+        check_weave(&y, &mesh, d.grain);
+        CHECK(y.yarn_count == 16 && count_crossings(&y) >= 64 - 25 && count_crossings(&y) <= 64 - 16);
+        yc_yarns_destroy(&y);
+    }
+}
+
+TEST(fabric_grain) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    double length;
+    d.grain = YCI_PI / 6.0;
+    clear_room();
+    add_piece(10, 10, NULL, 0.01, -0.02, 0.05, 0.0, 0.0, 0);
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    length = check_weave(&y, &mesh, d.grain);
+    CHECK_NEAR(length, 2.0 * 0.01 / 2.5e-3, 0.02 * length);
+    yc_yarns_destroy(&y);
+    d.size[0] = d.size[1] = 0.1;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    length = check_weave(&y, NULL, d.grain);
+    CHECK_NEAR(length, 2.0 * 0.01 / 2.5e-3, 0.02 * length);
+    yc_yarns_destroy(&y);
+    d.grain = 0.5 * YCI_PI; /* warps and wefts trade places */
+    d.size[0] = 0.05;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(count_family(&y, YC_WARP) == 40 && count_family(&y, YC_WEFT) == 20);
+    CHECK_NEAR(check_weave(&y, NULL, d.grain), 2.0 * 0.005 / 2.5e-3, 1e-12);
+    yc_yarns_destroy(&y);
+}
+
+/* What holds for the rods of a mesh that is flat and as large as its pattern. Every end on a seam is tied once. */
+static void check_rods(const yc_yarns *y, double gap, int expected_rods, int expected_ends, double slack) {
+    int i, k, ends = 0;
+    CHECK(count_family(y, YC_ROD) == expected_rods);
+    for (i = 0; i < y->yarn_count; i++) {
+        if (y->yarn_family[i] != YC_ROD) continue;
+        ends += y->yarn_first[i + 1] - y->yarn_first[i];
+        for (k = y->yarn_first[i] + 1; k < y->yarn_first[i + 1]; k++) {
+            double a[3], b[3], step = y->visit_u[k] - y->visit_u[k - 1];
+            node_position(y, y->visit_node[k - 1], a), node_position(y, y->visit_node[k], b);
+            CHECK(step >= gap * (1.0 - 1e-9));
+            CHECK_NEAR(step, distance(a, b), slack);
+        }
+    }
+    CHECK(ends == expected_ends);
+}
+
+/* Two pieces welded along a straight edge, their lattices shifted against each other. */
+TEST(fabric_rod) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    clear_room();
+    add_piece(4, 6, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 1);
+    add_piece(3, 4, NULL, 0.01, 0.5, 0.2, 0.04, 0.01 * 1.0, 1); /* its lattice: wefts at 0.01125 + k 0.0025 */
+    mesh = room_mesh();
+    CHECK(mesh.vertex_count == 35 + 20 - 5);
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    check_weave(&y, &mesh, 0.0);
+    check_rods(&y, 0.05 * 2.5e-3, 1, 32, 1e-12); /* 16 wefts from each side, moved apart: the lattices agree */
+    CHECK(y.yarn_count == 16 + 24 + 12 + 16 + 1);
+    CHECK(y.node_count == 16 * 24 + 12 * 16 + 2 * 16 + 2 * 24 + 2 * 12 + 2 * 16);
+    yc_yarns_destroy(&y);
+    d.spacing[1] = 2.3e-3; /* lattices that do not agree */
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    check_weave(&y, &mesh, 0.0);
+    check_rods(&y, 0.05 * 2.4e-3, 1, 18 + 17, 1e-12);
+    yc_yarns_destroy(&y);
+    d.rod.density = 0.0; /* no rods: the ends are lone nodes */
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    check_weave(&y, &mesh, 0.0);
+    check_rods(&y, 0.0, 0, 0, 0.0);
+    CHECK(y.material_count == 2);
+    yc_yarns_destroy(&y);
+}
+
+/* Ends of both sides that fall on the same vertices of the seam are moved apart over several edges and stay on their
+ * sides. */
+TEST(fabric_rod_spread) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yci_weave_cut ties[3];
+    yc_mesh mesh;
+    yc_yarns y;
+    int k;
+    clear_room();
+    add_piece(20, 10, NULL, 0.00125, 0.0, 0.0, 0.0, 0.0, 1);
+    add_piece(20, 10, NULL, 0.00125, 1.0, 0.0, 0.025, 0.0, 1);
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    check_weave(&y, &mesh, 0.0);
+    check_rods(&y, 0.05 * 2.5e-3, 1, 10, 1e-12);
+    yc_yarns_destroy(&y);
+    memset(ties, 0, sizeof ties);
+    for (k = 0; k < 3; k++) ties[k].along = 1.0;
+    yci_weave_spread(ties, 3, 0.125, 1.0);
+    CHECK(ties[0].along == 0.75 && ties[1].along == 0.875 && ties[2].along == 1.0);
+    ties[0].along = 0.0, ties[1].along = 0.0, ties[2].along = 0.5;
+    yci_weave_spread(ties, 3, 0.125, 1.0);
+    CHECK(ties[0].along == 0.0 && ties[1].along == 0.125 && ties[2].along == 0.5);
+}
+
+/* A slanted seam: short tails let go of their last crossings, so that every yarn reaches the seam. */
+TEST(fabric_rod_slanted) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    int i, k, lone = 0, *visits;
+    clear_room();
+    add_piece(6, 6, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 1);
+    add_piece(6, 6, NULL, 0.01, 1.0, 0.0, 0.06, 0.0, 1);
+    for (i = 0; i < room.uvs; i++) /* sheared about the seam, and turned a little */
+        room.uv[i][0] += 0.431 * room.uv[i][1], room.uv[i][1] -= 0.09 * room.uv[i][0];
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    check_weave(&y, &mesh, 0.0);
+    CHECK(count_family(&y, YC_ROD) == 1);
+    visits = (int *)calloc((size_t)y.node_count, sizeof(int));
+    for (k = 0; k < y.visit_count; k++) visits[y.visit_node[k]]++;
+    for (k = 0; k < y.yarn_count; k++)
+        for (i = y.yarn_first[k] + 1; i + 1 < y.yarn_first[k + 1]; i++) lone += visits[y.visit_node[i]] == 1;
+    CHECK(lone > 0);
+    for (i = 0; i < y.node_count; i++) { /* no lone node lies on the seam */
+        double x[3];
+        node_position(&y, i, x);
+        if (fabs(x[0] - 0.06) < 1e-12) CHECK(visits[i] == 2);
+    }
+    free(visits);
+    yc_yarns_destroy(&y);
+}
+
+/* A pillow, welded all around: one rod along the closed seam, open between its last and first end. */
+TEST(fabric_rod_cycle) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    int i, k, back, map[ROOM];
+    clear_room();
+    add_piece(4, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
+    add_piece(4, 4, NULL, 0.01, 1.0, 0.0, 0.0, 0.0, 0);
+    back = room.vertices / 2;
+    for (i = 0; i < room.vertices; i++) { /* the second piece is the first one's mirror image, turned over */
+        const double *x = room.position[i];
+        map[i] = i;
+        if (i < back) continue;
+        room.position[i][0] = 0.04 - x[0];
+        for (k = 0; k < back; k++)
+            if (distance(room.position[k], x) < 1e-9 &&
+                (x[0] < 1e-9 || x[0] > 0.04 - 1e-9 || x[1] < 1e-9 || x[1] > 0.04 - 1e-9))
+                map[i] = k;
+    }
+    for (i = 0; i < room.triangles; i++)
+        for (k = 0; k < 3; k++) room.triangle[i][k] = map[room.triangle[i][k]];
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    check_weave(&y, &mesh, 0.0);
+    check_rods(&y, 0.05 * 2.5e-3, 1, 4 * 32, 2e-3); /* around the corners the distance is the shorter */
+    yc_yarns_destroy(&y);
+}
+
+/* A tube: the seam joins a piece to itself. Three pieces at a corner: rods end at the branching point. */
+TEST(fabric_rod_branch) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    int i, k, c;
+    clear_room();
+    add_piece(6, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
+    for (i = 0; i < room.triangles; i++)
+        for (k = 0; k < 3; k++) {
+            const double *x = room.position[room.triangle[i][k]];
+            if (x[0] < 0.06 - 1e-9) continue;
+            for (c = 0; c < room.vertices; c++)
+                if (room.position[c][0] == 0.0 && fabs(room.position[c][1] - x[1]) < 1e-9) break;
+            room.triangle[i][k] = c;
+        }
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    check_weave(&y, &mesh, 0.0);
+    CHECK(count_family(&y, YC_ROD) == 1 && y.yarn_count == 24 + 16 + 1);
+    CHECK(y.yarn_first[41] - y.yarn_first[40] == 32);
+    yc_yarns_destroy(&y);
+    clear_room();
+    add_piece(4, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 1);
+    add_piece(3, 4, NULL, 0.01, 1.0, 0.0, 0.04, 0.0, 1);
+    add_piece(7, 2, NULL, 0.01, 2.0, 0.0, 0.0, 0.04, 1);
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    check_weave(&y, &mesh, 0.0);
+    check_rods(&y, 0.05 * 2.5e-3, 3, 2 * (16 + 12 + 16), 1e-12);
+    yc_yarns_destroy(&y);
+}
+
+/* Jittered pieces, any grain, any spacing. */
+TEST(fabric_random) {
+    uint64_t state = 7;
+    int round, i;
+    for (round = 0; round < 60; round++) {
+        yc_weave_desc d = yc_weave_desc_default();
+        yc_mesh mesh;
+        yc_yarns y;
+        char message[YC_MESSAGE_SIZE];
+        double area = 0.0, length;
+        d.spacing[0] = test_random(&state, 1e-3, 4e-3), d.spacing[1] = test_random(&state, 1e-3, 4e-3);
+        d.grain = round % 3 ? test_random(&state, -4.0, 4.0) : 0.0;
+        clear_room();
+        add_piece(5, 5,
+            round % 2 ? "#####"
+                        "##.##"
+                        "#...#"
+                        "##.##"
+                        "#####"
+                      : NULL,
+            0.01, 0.0, 0.0, 0.0, 0.0, 1);
+        add_piece(4, 5, NULL, 0.01, 1.0, 0.0, 0.05, 0.0, 1);
+        for (i = 0; i < room.uvs; i++) {
+            room.uv[i][0] += test_random(&state, -2e-3, 2e-3), room.uv[i][1] += test_random(&state, -2e-3, 2e-3);
+        }
+        mesh = room_mesh();
+        CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, message), YC_OK);
+        if (!CHECK_TEXT(message, "")) return;
+        for (i = 0; i < room.triangles; i++) {
+            const double *a = room.uv[room.uv_triangle[i][0]], *b = room.uv[room.uv_triangle[i][1]];
+            const double *c = room.uv[room.uv_triangle[i][2]];
+            area += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
+        }
+        length = check_weave(&y, &mesh, d.grain);
+        CHECK_NEAR(length, area / d.spacing[0] + area / d.spacing[1], 0.1 * length);
+        CHECK(count_family(&y, YC_ROD) == 1);
+        yc_yarns_destroy(&y);
+    }
+}
+
+/* ---- refusals ---------------------------------------------------------------------------------------------------- */
+
+static void refused(const yc_weave_desc *d, const yc_mesh *mesh, yc_result code, const char *expected) {
+    char message[YC_MESSAGE_SIZE] = "";
+    yc_yarns y, before;
+    memset(&y, 7, sizeof y);
+    before = y;
+    CHECK_RESULT(yc_weave(NULL, d, mesh, &y, message), code);
+    CHECK(memcmp(&y, &before, sizeof y) == 0);
+    CHECK_TEXT(message, expected);
+}
+
+TEST(fabric_weave_refuses) {
+    yc_weave_desc d = yc_weave_desc_default(), good = d;
+    yc_yarns y;
+    char message[YC_MESSAGE_SIZE];
+    d.cookie = 0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.cookie: not made by yc_weave_desc_default()");
+    refused(NULL, NULL, YC_ERROR_ARGUMENT, "desc must not be NULL");
+    CHECK_RESULT(yc_weave(NULL, &good, NULL, NULL, message), YC_ERROR_ARGUMENT);
+    CHECK_TEXT(message, "out must not be NULL");
+    d = good, d.spacing[1] = -1.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing[1] = -1 must be greater than 0");
+    d = good, d.spacing[0] = HUGE_VAL;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing[0] = inf must be finite");
+    d = good, d.repeat[0] = 0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.repeat[0] = 0 must be at least 1");
+    d = good, d.size[1] = 0.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.size[1] = 0 must be greater than 0");
+    d = good, d.size[1] = HUGE_VAL;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.size[1] = inf must be finite");
+    d = good, d.grain = HUGE_VAL;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.grain = inf must be finite");
+    d = good, d.warp.stretch = 0.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.warp.stretch = 0 must be greater than 0");
+    d = good, d.warp.stretch = HUGE_VAL - HUGE_VAL;
+    CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, message), YC_ERROR_ARGUMENT);
+    CHECK(!strncmp(message, "weave.warp.stretch = ", 21) && strstr(message, "nan must be finite"));
+    d = good, d.weft.bending = -1.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.bending = -1 must not be negative");
+    d = good, d.weft.shear_limit = 2.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.shear_limit = 2 must lie in (0, pi/2]");
+    d = good, d.weft.friction = 11.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.friction = 11 must be at most 10");
+    d = good, d.rod.density = -1.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.rod.density = -1 must be greater than 0");
+    d = good, d.rod.density = 0.0, d.rod.stretch = -1.0; /* no rods: their material is not looked at */
+    CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK);
+    yc_yarns_destroy(&y);
+    d = good, d.spacing[0] = d.spacing[1] = 1e-5;
+    refused(
+        &d, NULL, YC_ERROR_ARGUMENT, "weave.spacing = 1e-05, 1e-05 gives about 4e+08 crossings, more than 100000000");
+    d = good, d.spacing[0] = 1e-10, d.spacing[1] = 1000.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing = 1e-10, 1000 gives about 2e+09 lines, more than 100000000");
+    d = good, d.spacing[0] = d.spacing[1] = 1.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing = 1, 1 is too wide: nowhere do two yarns cross");
+}
+
+TEST(fabric_mesh_refuses) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh, good;
+    yc_yarns y;
+    char message[YC_MESSAGE_SIZE];
+    int kept;
+    clear_room();
+    add_piece(2, 2, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
+    good = mesh = room_mesh();
+    mesh.vertex_count = 2;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.vertex_count = 2 must be at least 3");
+    mesh = good, mesh.triangle_count = 0;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.triangle_count = 0 must lie in 1 .. 7e8");
+    mesh = good, mesh.uv_count = -4;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv_count = -4 must be at least 3");
+    mesh = good, mesh.uv = NULL;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv must not be NULL");
+    mesh = good, mesh.positions = NULL;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.positions must not be NULL");
+    mesh = good, mesh.triangles = NULL;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.triangles must not be NULL");
+    mesh = good, mesh.uv_triangles = NULL; /* `triangles` serves */
+    CHECK_RESULT(yc_weave(NULL, &d, &mesh, NULL, NULL), YC_ERROR_ARGUMENT);
+    mesh = good, mesh.uv_count = 8;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv_triangles[6][2] = 8 must lie in 0 .. 7 of the UVs");
+    mesh = good, room.triangle[3][1] = -2;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.triangles[3][1] = -2 must lie in 0 .. 8");
+    clear_room();
+    add_piece(2, 2, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
+    room.position[5][2] = HUGE_VAL;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.positions[5][2] = inf must be finite");
+    room.position[5][2] = 0.0, room.uv[4][0] = -HUGE_VAL;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv[4][0] = -inf must be finite");
+    room.uv[4][0] = 0.02;
+    kept = room.uv_triangle[2][0], room.uv_triangle[2][0] = room.uv_triangle[2][1], room.uv_triangle[2][1] = kept;
+    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv_triangles[2]: area -5e-05 m^2 must be > 0");
+    kept = room.uv_triangle[2][0], room.uv_triangle[2][0] = room.uv_triangle[2][1], room.uv_triangle[2][1] = kept;
+    kept = room.triangle[2][0], room.triangle[2][0] = room.triangle[2][1], room.triangle[2][1] = kept;
+    refused(&d, &mesh, YC_ERROR_TOPOLOGY,
+        "mesh.triangles[0] and [2] are wound against each other at the edge of vertices 1 and 2");
+    room.triangle[2][1] = room.triangle[2][0];
+    refused(&d, &mesh, YC_ERROR_TOPOLOGY, "mesh.triangles[2] = 1 1 4: a vertex occurs twice");
+    clear_room();
+    add_piece(2, 1, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0); /* a third triangle at the first one's first edge */
+    mesh = room_mesh();
+    room.triangle[2][0] = room.triangle[0][1], room.triangle[2][1] = room.triangle[0][0];
+    room.triangle[3][0] = room.triangle[0][0], room.triangle[3][1] = room.triangle[0][1];
+    refused(&d, &mesh, YC_ERROR_TOPOLOGY, "mesh.triangles[0], [2] and [3] share the edge of vertices 0 and 1");
+    clear_room(); /* a fan that turns around its middle by more than a full circle */
+    mesh = room_mesh();
+    for (kept = 0; kept < 12; kept++) {
+        room.uv[kept][0] = kept ? 0.05 * cos(kept * 0.7) : 0.0, room.uv[kept][1] = kept ? 0.05 * sin(kept * 0.7) : 0.0;
+        yci_zero(room.position[kept], 3);
+        room.triangle[kept][0] = room.uv_triangle[kept][0] = 0;
+        room.triangle[kept][1] = room.uv_triangle[kept][1] = kept + 1;
+        room.triangle[kept][2] = room.uv_triangle[kept][2] = kept + 2;
+    }
+    mesh.vertex_count = mesh.uv_count = 12, mesh.triangle_count = 10;
+    CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, message), YC_ERROR_TOPOLOGY);
+    CHECK(strstr(message, "overlaps itself") != NULL);
+}
+
+static void check_refused(const yc_yarns *y, const yc_mesh *mesh, yc_result code, const char *expected) {
+    char message[YC_MESSAGE_SIZE] = "";
+    CHECK_RESULT(yc_yarns_check(y, mesh, message), code);
+    CHECK_TEXT(message, expected);
+}
+
+/* Changes one value, checks the message, and changes it back. */
+#define SPOILED(target, value, type, code, text) \
+    do { \
+        type kept_value = (target); \
+        (target) = (value); \
+        check_refused(&y, &mesh, (code), (text)); \
+        (target) = kept_value; \
+    } while (0)
+
+TEST(fabric_check_refuses) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y;
+    clear_room();
+    add_piece(1, 1, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0); /* 4 x 4 crossings, 16 ends */
+    mesh = room_mesh();
+    if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
+    CHECK(y.node_count == 32 && y.yarn_count == 8 && y.visit_count == 48);
+    check_refused(&y, &mesh, YC_OK, "");
+    check_refused(NULL, &mesh, YC_ERROR_ARGUMENT, "yarns must not be NULL");
+    SPOILED(y.node_count, 1, int, YC_ERROR_ARGUMENT, "yarns.node_count = 1 must be at least 2");
+    SPOILED(y.yarn_count, 0, int, YC_ERROR_ARGUMENT, "yarns.yarn_count = 0 must be at least 1");
+    SPOILED(y.material_count, 0, int, YC_ERROR_ARGUMENT, "yarns.material_count = 0 must be at least 1");
+    SPOILED(y.visit_u, NULL, double *, YC_ERROR_ARGUMENT, "yarns: only triangle, weights and owner may be NULL");
+    SPOILED(y.triangle, NULL, int *, YC_ERROR_ARGUMENT, "yarns.triangle and weights must not be NULL with a mesh");
+    SPOILED(y.materials[0].stretch, -1.0, double, YC_ERROR_ARGUMENT,
+        "yarns.materials[0].stretch = -1 must be greater than 0");
+    SPOILED(y.layout[5][1], HUGE_VAL, double, YC_ERROR_ARGUMENT, "yarns.layout[5][1] = inf must be finite");
+    SPOILED(y.triangle[5], 2, int, YC_ERROR_ARGUMENT, "yarns.triangle[5] = 2 must lie in 0 .. 1");
+    SPOILED(y.weights[5][0], HUGE_VAL, double, YC_ERROR_ARGUMENT, "yarns.weights[5][0] = inf must be finite");
+    y.weights[5][0] += 0.5;
+    CHECK_RESULT(yc_yarns_check(&y, &mesh, NULL), YC_ERROR_ARGUMENT);
+    CHECK_RESULT(yc_yarns_check(&y, NULL, NULL), YC_OK);
+    y.weights[5][0] -= 0.5;
+    SPOILED(y.yarn_first[0], 1, int, YC_ERROR_ARGUMENT, "yarns.yarn_first[0] = 1 must be 0");
+    SPOILED(
+        y.yarn_first[2], 7, int, YC_ERROR_ARGUMENT, "yarns.yarn_first[2] = 7 must lie in 8 .. 48 (two visits or more)");
+    SPOILED(y.yarn_first[8], 47, int, YC_ERROR_ARGUMENT, "yarns.yarn_first[8] = 47 must be visit_count, 48");
+    SPOILED(y.yarn_family[1], 3, unsigned char, YC_ERROR_ARGUMENT, "yarns.yarn_family[1] = 3 must lie in 0 .. 2");
+    SPOILED(y.yarn_material[1], 3, int, YC_ERROR_ARGUMENT, "yarns.yarn_material[1] = 3 must lie in 0 .. 2");
+    SPOILED(y.visit_node[9], 32, int, YC_ERROR_ARGUMENT, "yarns.visit_node[9] = 32 must lie in 0 .. 31");
+    SPOILED(y.visit_u[9], HUGE_VAL, double, YC_ERROR_ARGUMENT, "yarns.visit_u[9] = inf must be finite");
+    SPOILED(y.visit_u[9], 0.0, double, YC_ERROR_TOPOLOGY,
+        "yarns.visit_u[9] = 0 must be greater than the 0.00375 before it");
+    SPOILED(y.visit_layer[9], 2, signed char, YC_ERROR_ARGUMENT, "yarns.visit_layer[9] = 2 must lie in -1 .. 1");
+    SPOILED(y.visit_node[2], y.visit_node[1], int, YC_ERROR_TOPOLOGY,
+        "yarns.visit_node[2] = 0: the same node twice in a row");
+    SPOILED(y.visit_node[5], y.visit_node[1], int, YC_ERROR_TOPOLOGY,
+        "yarns.visit_node[25] = 0: a third visit of this node");
+    SPOILED(y.visit_node[5], y.visit_node[0], int, YC_ERROR_TOPOLOGY, "yarns.layout[17]: no yarn visits this node");
+    SPOILED(y.visit_held[6], 0, unsigned char, YC_ERROR_ARGUMENT,
+        "yarns.visit_held[6] = 0 must be 1: node 18 has no other visit");
+    yc_yarns_destroy(&y);
+}
+
+/* Every allocation refused in turn: an ordinary result, nothing leaked, the network untouched. */
+TEST(fabric_out_of_memory) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_mesh mesh;
+    yc_yarns y, before;
+    int n;
+    clear_room();
+    add_piece(4, 6, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 1);
+    add_piece(3, 6, NULL, 0.01, 1.0, 0.0, 0.04, 0.0, 1);
+    mesh = room_mesh();
+    memset(&y, 7, sizeof y);
+    before = y;
+    for (n = 0; n < 1000; n++) {
+        yc_host host = test_host_failing(n);
+        char message[YC_MESSAGE_SIZE];
+        yc_result result = yc_weave(&host, &d, &mesh, &y, message);
+        if (result == YC_OK) break;
+        CHECK_RESULT(result, YC_ERROR_MEMORY);
+        CHECK(!strncmp(message, "out of memory for ", 18));
+        CHECK(test_heap.live == 0 && memcmp(&y, &before, sizeof y) == 0);
+    }
+    CHECK(n > 20 && n < 1000 && test_heap.live == 1);
+    check_weave(&y, &mesh, 0.0);
+    yc_yarns_destroy(&y);
+    CHECK(test_heap.live == 0 && test_heap.bytes == 0);
+}
+
+TEST(fabric_material) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_triangle_material m;
+    d.spacing[0] = 1e-3, d.spacing[1] = 3e-3;
+    d.warp.stretch = 40.0, d.weft.stretch = 60.0, d.warp.shear = 1e-3, d.weft.shear = 3e-3;
+    d.warp.bending = 2e-9, d.weft.bending = 6e-9, d.warp.density = 1e-5, d.weft.density = 3e-5;
+    m = yc_weave_material(&d);
+    CHECK_NEAR(m.stretch[0], 60.0 / 3e-3, 1e-9);
+    CHECK_NEAR(m.stretch[1], 40.0 / 1e-3, 1e-9);
+    CHECK_NEAR(m.shear, 4.0 * 2e-3 * 2e-3 / 3e-6, 1e-12);
+    CHECK_NEAR(m.bending, 2e-6, 1e-18);
+    CHECK_NEAR(m.density, 0.02, 1e-15);
+    CHECK(m.coupling == 0.0);
+    m = yc_triangle_material_default();
+    CHECK(m.stretch[0] == 2000.0 && m.stretch[1] == 2000.0 && m.density == 0.12);
+    CHECK(m.shear == 60.0 && m.bending == 8e-6);
+}

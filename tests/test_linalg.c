@@ -1,0 +1,617 @@
+/* Dense LU, sparse direct and incomplete factorisations, block-sparse products: against each other and by
+ * definition. */
+
+#include "internals.h"
+#include "test.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- dense ------------------------------------------------------------------------------------------------------- */
+
+static void lu_size(int n, uint64_t seed) {
+    yc_lu *lu = NULL;
+    int lda = n + 3, ldx = n + 1, i, j, k;
+    double *a = (double *)malloc(((size_t)n * (size_t)lda + 1) * sizeof(double)), *x, *b, worst = 0.0;
+    x = (double *)malloc(3 * (size_t)ldx * sizeof(double)), b = (double *)malloc(3 * (size_t)ldx * sizeof(double));
+    for (i = 0; i < n * lda; i++) a[i] = test_random(&seed, -1.0, 1.0);
+    for (i = 0; i < 3 * ldx; i++) b[i] = test_random(&seed, -1.0, 1.0);
+    CHECK_RESULT(yc_lu_create(NULL, n, &lu), YC_OK);
+    CHECK_RESULT(yc_lu_factor(lu, a, lda), YC_OK);
+    memcpy(x, b, 3 * (size_t)ldx * sizeof(double));
+    CHECK_RESULT(yc_lu_solve(lu, x, 3, ldx), YC_OK);
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < n; i++) {
+            double sum = -b[k * ldx + i];
+            for (j = 0; j < n; j++) sum += a[i * lda + j] * x[k * ldx + j];
+            worst = yci_max(worst, fabs(sum));
+        }
+    memcpy(x, b, 3 * (size_t)ldx * sizeof(double));
+    CHECK_RESULT(yc_lu_solve_transposed(lu, x, 3, ldx), YC_OK);
+    for (k = 0; k < 3; k++)
+        for (i = 0; i < n; i++) {
+            double sum = -b[k * ldx + i];
+            for (j = 0; j < n; j++) sum += a[j * lda + i] * x[k * ldx + j];
+            worst = yci_max(worst, fabs(sum));
+        }
+    CHECK(worst < 1e-9);
+    CHECK(x[n] == b[n]);
+    yc_lu_destroy(lu);
+    free(a), free(x), free(b);
+}
+
+TEST(dense_lu) {
+    static const int sizes[] = {0, 1, 2, 3, 5, 31, 32, 33, 64, 67, 130, 201};
+    size_t i;
+    for (i = 0; i < sizeof sizes / sizeof sizes[0]; i++) lu_size(sizes[i], 7 + (uint64_t)i);
+}
+
+TEST(dense_lu_errors) {
+    yc_lu *lu = NULL;
+    double a[9] = {1, 2, 3, 2, 4, 6, 1, 0, 1}, x[3] = {1, 2, 3};
+    CHECK(yc_lu_create(NULL, -1, &lu) == YC_ERROR_ARGUMENT && lu == NULL);
+    CHECK_RESULT(yc_lu_create(NULL, 3, &lu), YC_OK);
+    CHECK(yc_lu_solve(lu, x, 1, 3) == YC_ERROR_ARGUMENT && x[2] == 3);
+    CHECK(yc_lu_factor(lu, a, 3) == YC_ERROR_SINGULAR && strstr(yc_lu_message(lu), "column 2"));
+    CHECK(yc_lu_solve(lu, x, 1, 3) == YC_ERROR_ARGUMENT && yc_lu_rcond(lu) == 0.0);
+    CHECK(yc_lu_factor(lu, a, 2) == YC_ERROR_ARGUMENT && yc_lu_factor(lu, NULL, 3) == YC_ERROR_ARGUMENT);
+    a[4] = 5;
+    CHECK_RESULT(yc_lu_factor(lu, a, 3), YC_OK);
+    a[5] = NAN;
+    CHECK(yc_lu_factor(lu, a, 3) == YC_ERROR_ARGUMENT && strstr(yc_lu_message(lu), "a[1][2]"));
+    CHECK_RESULT(yc_lu_solve(lu, x, 1, 3), YC_OK); /* the earlier factor is still there */
+    CHECK(yc_lu_solve(lu, x, 1, 2) == YC_ERROR_ARGUMENT && yc_lu_solve(lu, x, -1, 3) == YC_ERROR_ARGUMENT);
+    yc_lu_destroy(lu);
+    yc_lu_destroy(NULL);
+}
+
+/* The estimate against the condition of small Hilbert matrices and of the inverse itself. */
+TEST(dense_lu_rcond) {
+    int n, i, j;
+    for (n = 1; n <= 8; n++) {
+        double a[64], x[64], norm = 0.0, inverse = 0.0, exact, estimate;
+        yc_lu *lu = NULL;
+        for (i = 0; i < n * n; i++) a[i] = 1.0 / (i / n + i % n + 1);
+        for (i = 0; i < n * n; i++) x[i] = i / n == i % n;
+        CHECK(yc_lu_create(NULL, n, &lu) == YC_OK && yc_lu_factor(lu, a, n) == YC_OK);
+        CHECK_RESULT(yc_lu_solve(lu, x, n, n), YC_OK);
+        for (j = 0; j < n; j++) {
+            double sum = 0.0, other = 0.0;
+            for (i = 0; i < n; i++) sum += fabs(a[i * n + j]), other += fabs(x[j * n + i]);
+            norm = yci_max(norm, sum), inverse = yci_max(inverse, other);
+        }
+        exact = 1.0 / (norm * inverse), estimate = yc_lu_rcond(lu);
+        CHECK(estimate >= exact * (1.0 - 1e-6) && estimate <= 3.0 * exact);
+        yc_lu_destroy(lu);
+    }
+}
+
+TEST(dense_blocks) {
+    uint64_t seed = 5;
+    int n, trial, i, j, k;
+    for (n = 1; n <= YCI_BLOCK_MAX; n++)
+        for (trial = 0; trial < 20; trial++) {
+            double a[64], inverse[64], worst = 0.0;
+            for (i = 0; i < n; i++)
+                for (j = 0; j <= i; j++) a[i * n + j] = a[j * n + i] = test_random(&seed, -1.0, 1.0);
+            CHECK(yci_block_invert(n, a, a, inverse) > 0.0);
+            for (i = 0; i < n; i++)
+                for (j = 0; j < n; j++) {
+                    double sum = i == j ? -1.0 : 0.0;
+                    for (k = 0; k < n; k++) sum += a[i * n + k] * inverse[k * n + j];
+                    worst = yci_max(worst, fabs(sum));
+                }
+            CHECK(worst < 1e-8);
+            for (i = 0; i < n; i++) a[i * n + i] += n;
+            CHECK(yci_block_invert_spd(n, a, a, n + 1, inverse));
+            a[0] = -1.0;
+            CHECK(!yci_block_invert_spd(n, a, a, n + 1, inverse));
+        }
+    { /* badly scaled pairs are regular, cancelled blocks and NaN are not */
+        double pair[4] = {0, 1e-6, 1e-6, -1e6}, inverse[4], one = 4.0, lost = 2e-16;
+        CHECK(yci_block_invert(2, pair, pair, inverse) > 0.1);
+        CHECK(fabs(inverse[0] * 1e-18 - 1.0) < 1e-12 && fabs(inverse[1] * 1e-6 - 1.0) < 1e-12);
+        CHECK(fabs(inverse[3]) < 1e-3);
+        CHECK(yci_block_invert(1, &lost, &one, inverse) == 0.0 && !yci_block_invert_spd(1, &lost, &one, 1, inverse));
+        pair[1] = pair[2] = NAN;
+        CHECK(yci_block_invert(2, pair, pair, inverse) == 0.0);
+        memset(pair, 0, sizeof pair);
+        CHECK(yci_block_invert(2, pair, pair, inverse) == 0.0);
+    }
+}
+
+/* ---- sparse ------------------------------------------------------------------------------------------------------ */
+
+typedef struct linear_system {
+    yci_context c;
+    yci_bsr m;
+    double *dense; /* off[n] x off[n] */
+} linear_system;
+
+static void system_open(
+    linear_system *s, const yc_host *host, int n, const int *dim, const int (*pair)[2], size_t pairs) {
+    CHECK_RESULT(yci_context_init(&s->c, host), YC_OK);
+    CHECK_RESULT(yci_bsr_create(&s->c, n, dim, pair, pairs, &s->m), YC_OK);
+    s->dense = NULL;
+}
+
+/* Random symmetric values; kind 1 makes them positive definite by dominance, kind 2 quasi-definite: every second
+ * unknown gets a negative diagonal. */
+static void system_fill(linear_system *s, int kind, uint64_t seed) {
+    yci_bsr *m = &s->m;
+    int i, k, a, b, size = m->off[m->n];
+    for (i = 0; i < m->n; i++)
+        for (k = m->ptr[i]; k < m->ptr[i + 1]; k++) {
+            int j = m->col[k], mirror = yci_bsr_find(m, j, i);
+            CHECK(mirror >= 0);
+            for (a = 0; j <= i && a < m->dim[i]; a++)
+                for (b = 0; b < m->dim[j]; b++)
+                    m->val[m->at[k] + (size_t)(a * m->dim[j] + b)] =
+                        m->val[m->at[mirror] + (size_t)(b * m->dim[i] + a)] = test_random(&seed, -1.0, 1.0);
+        }
+    free(s->dense);
+    s->dense = (double *)calloc((size_t)size * (size_t)size + 1, sizeof(double));
+    for (i = 0; i < m->n; i++) {
+        for (a = 0; a < m->dim[i]; a++) {
+            double sum = 0.0, *diagonal = &m->val[m->at[m->diag[i]] + (size_t)(a * m->dim[i] + a)];
+            for (k = m->ptr[i]; k < m->ptr[i + 1]; k++)
+                for (b = 0; b < m->dim[m->col[k]]; b++)
+                    sum += fabs(m->val[m->at[k] + (size_t)(a * m->dim[m->col[k]] + b)]);
+            *diagonal = (kind == 2 && (m->off[i] + a) % 2) ? -sum - 0.5 : sum + 0.5;
+        }
+        for (k = m->ptr[i]; k < m->ptr[i + 1]; k++)
+            for (a = 0; a < m->dim[i]; a++)
+                for (b = 0; b < m->dim[m->col[k]]; b++)
+                    s->dense[(m->off[i] + a) * size + m->off[m->col[k]] + b] =
+                        m->val[m->at[k] + (size_t)(a * m->dim[m->col[k]] + b)];
+    }
+}
+
+static void system_close(linear_system *s) {
+    yci_bsr_zero(&s->m);
+    CHECK(s->m.ptr[s->m.n] == 0 || s->m.val[s->m.at[s->m.diag[0]]] == 0.0 || s->m.dim[0] == 0);
+    yci_bsr_destroy(&s->c, &s->m);
+    CHECK(s->c.bytes == 0);
+    free(s->dense);
+}
+
+/* Product, direct solve of three right-hand sides and their like from dense LU. */
+static void system_compare(linear_system *s, const int *order, int spd) {
+    const yci_bsr *m = &s->m;
+    int size = m->off[m->n], i, j, k;
+    double *x = (double *)malloc(3 * (size_t)(size + 1) * sizeof(double));
+    double *y = (double *)malloc(3 * (size_t)(size + 1) * sizeof(double)), *work, worst = 0.0, largest = 0.0;
+    uint64_t seed = 99;
+    yci_ldl *f = NULL;
+    yc_lu *lu = NULL;
+    for (i = 0; i < 3 * (size + 1); i++) x[i] = test_random(&seed, -1.0, 1.0);
+    yci_bsr_multiply(&s->c, m, x, y);
+    for (i = 0; i < size; i++) {
+        double sum = 0.0;
+        for (j = 0; j < size; j++) sum += s->dense[i * size + j] * x[j];
+        worst = yci_max(worst, fabs(sum - y[i]));
+    }
+    CHECK(worst < 1e-11);
+    memcpy(y, x, 3 * (size_t)(size + 1) * sizeof(double));
+    CHECK(yc_lu_create(NULL, size, &lu) == YC_OK && yc_lu_factor(lu, s->dense, size) == YC_OK);
+    CHECK_RESULT(yc_lu_solve(lu, y, 3, size + 1), YC_OK);
+    CHECK_RESULT(yci_ldl_analyze(&s->c, m->n, m->dim, m->ptr, m->col, order, &f), YC_OK);
+    CHECK_RESULT(yci_ldl_factor(f, m->val, m->at, spd), YC_OK);
+    CHECK_RESULT(yci_ldl_factor(f, m->val, m->at, spd), YC_OK);
+    work = (double *)malloc((yci_ldl_work(f, 3) + 1) * sizeof(double));
+    yci_ldl_solve(f, x, 3, size + 1, work);
+    for (k = 0, worst = 0.0; k < 3; k++)
+        for (i = 0; i < size; i++) {
+            worst = yci_max(worst, fabs(x[k * (size + 1) + i] - y[k * (size + 1) + i]));
+            largest = yci_max(largest, fabs(y[k * (size + 1) + i]));
+        }
+    CHECK(worst <= 1e-10 * largest);
+    yc_lu_destroy(lu);
+    yci_ldl_destroy(f);
+    free(x), free(y), free(work);
+}
+
+/* Pairs of a named graph; returns how many. */
+static size_t graph(int kind, int n, int (*pair)[2], uint64_t *seed) {
+    size_t count = 0;
+    int i, j, w = (int)sqrt((double)n);
+    for (i = 0; i < n; i++) switch (kind) {
+        case 0: /* arrow, hub first, written both ways */
+            pair[count][0] = 0, pair[count++][1] = i, pair[count][0] = i, pair[count++][1] = 0;
+            break;
+        case 1: /* dense */
+            for (j = 0; j < i; j++) pair[count][0] = j, pair[count++][1] = i;
+            break;
+        case 2: /* two random parts without a link, and lone nodes at the end */
+            for (j = 0; j < 3; j++) {
+                int half = n * 4 / 10;
+                if (i >= 2 * half) break;
+                pair[count][0] = i;
+                pair[count++][1] = test_random_int(seed, half) + (i < half ? 0 : half);
+            }
+            break;
+        case 3: /* chain */
+            if (i) pair[count][0] = i, pair[count++][1] = i - 1;
+            break;
+        default: /* grid with one diagonal */
+            if (i % w) pair[count][0] = i, pair[count++][1] = i - 1;
+            if (i >= w) pair[count][0] = i - w, pair[count++][1] = i;
+            if (i >= w && i % w) pair[count][0] = i, pair[count++][1] = i - w - 1;
+        }
+    return count;
+}
+
+TEST(sparse_direct) {
+    static const int sizes[] = {0, 1, 2, 7, 40, 100};
+    static int pair[10000][2], dim[100], order[100];
+    uint64_t seed = 3;
+    size_t which;
+    int kind, dims, i;
+    for (which = 0; which < sizeof sizes / sizeof sizes[0]; which++)
+        for (kind = 0; kind < 5; kind++)
+            for (dims = 0; dims < 5; dims++) {
+                linear_system s;
+                int n = sizes[which], quasi;
+                size_t pairs = graph(kind, n, pair, &seed);
+                for (i = 0; i < n; i++) {
+                    static const int five[] = {0, 3, 5, 1, 8};
+                    dim[i] = dims == 0 ? 1
+                        : dims == 1    ? 3
+                        : dims == 2    ? 3 + 2 * (i % 2)
+                        : dims == 3    ? 3 * (i % 2)
+                                       : five[test_random_int(&seed, 5)];
+                    order[i] = n - 1 - i;
+                }
+                system_open(&s, NULL, n, dim, (const int(*)[2])pair, pairs);
+                for (quasi = 1; quasi <= 2; quasi++) {
+                    system_fill(&s, quasi, seed++);
+                    system_compare(&s, quasi == 1 ? NULL : order, quasi == 1);
+                    system_compare(&s, NULL, 0);
+                }
+                system_close(&s);
+            }
+}
+
+/* A larger grid has several panels, merged supernodes and deep stacks of update matrices; its residual is the judge. */
+TEST(sparse_grid) {
+    enum { N = 900 };
+    static int pair[3 * N][2], dim[N];
+    uint64_t seed = 8;
+    linear_system s;
+    yci_ldl *f = NULL, *g = NULL;
+    yc_host host = test_host_counting(), reversed = test_host_threads(0);
+    int i, size;
+    double *x, *y, *z, *work, worst = 0.0;
+    size_t pairs = graph(4, N, pair, &seed);
+    for (i = 0; i < N; i++) dim[i] = 3 + 2 * (i % 3 == 0);
+    system_open(&s, &host, N, dim, (const int(*)[2])pair, pairs);
+    system_fill(&s, 1, 4);
+    size = s.m.off[N];
+    x = (double *)malloc((size_t)size * sizeof(double)), y = (double *)malloc((size_t)size * sizeof(double));
+    z = (double *)malloc((size_t)size * sizeof(double));
+    CHECK_RESULT(yci_ldl_analyze(&s.c, N, dim, s.m.ptr, s.m.col, NULL, &f), YC_OK);
+    i = test_heap.calls;
+    CHECK_RESULT(yci_ldl_factor(f, s.m.val, s.m.at, 1), YC_OK);
+    CHECK(test_heap.calls == i);
+    work = (double *)malloc(yci_ldl_work(f, 1) * sizeof(double));
+    for (i = 0; i < size; i++) z[i] = y[i] = test_random(&seed, -1.0, 1.0);
+    yci_ldl_solve(f, y, 1, size, work);
+    yci_bsr_multiply(&s.c, &s.m, y, x);
+    for (i = 0; i < size; i++) worst = yci_max(worst, fabs(x[i] - z[i]));
+    CHECK(worst < 1e-12);
+    /* Blocks of the parallel loops in reverse order give the same bits. */
+    s.c.host = reversed;
+    CHECK_RESULT(yci_ldl_analyze(&s.c, N, dim, s.m.ptr, s.m.col, NULL, &g), YC_OK);
+    CHECK_RESULT(yci_ldl_factor(g, s.m.val, s.m.at, 1), YC_OK);
+    yci_ldl_solve(g, z, 1, size, work);
+    CHECK(memcmp(y, z, (size_t)size * sizeof(double)) == 0);
+    yci_ldl_destroy(f), yci_ldl_destroy(g);
+    system_close(&s);
+    CHECK(test_heap.live == 0);
+    free(x), free(y), free(z), free(work);
+}
+
+/* Pairs (z, lambda) per node of the mixing constraint with a mass of zero: [[M G],[G -K]] by nodes, M = 0. */
+TEST(sparse_pairs) {
+    enum { N = 60, D = 6 };
+    static int pair[3 * N][2], dim[N];
+    uint64_t seed = 8;
+    linear_system s;
+    size_t pairs = graph(4, N, pair, &seed);
+    int i, k, a, b, part;
+    for (i = 0; i < N; i++) dim[i] = D;
+    system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
+    for (part = 0; part < 2; part++) { /* with some masses, and with none at all */
+        system_fill(&s, 1, 21);
+        for (i = 0; i < N; i++)
+            for (k = s.m.ptr[i]; k < s.m.ptr[i + 1]; k++)
+                for (a = 0; a < D; a++)
+                    for (b = 0; b < D; b++) {
+                        double *v = &s.m.val[s.m.at[k] + (size_t)(a * D + b)];
+                        int size = s.m.off[N], same = a % 3 == b % 3, j = s.m.col[k];
+                        double coupling = i == j ? 4.0 : -0.5;
+                        if (a < 3 && b < 3) *v = part == 0 && i == j && same && i % 2 ? 2.0 : 0.0;
+                        else if (a >= 3 && b >= 3) *v = same ? -1e3 * coupling : 0.0;
+                        else *v = same ? 1e-2 * coupling : 0.0;
+                        s.dense[(s.m.off[i] + a) * size + s.m.off[j] + b] = *v;
+                    }
+        system_compare(&s, NULL, 0);
+    }
+    system_close(&s);
+}
+
+TEST(sparse_refusals) {
+    enum { N = 30 };
+    static int pair[3 * N][2], dim[N];
+    uint64_t seed = 8;
+    int i, k, bad[1][2] = {{0, N}};
+    linear_system s;
+    yci_bsr none;
+    yci_ldl *f = NULL;
+    size_t pairs = graph(3, N, pair, &seed);
+    for (i = 0; i < N; i++) dim[i] = 1;
+    system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
+    CHECK_RESULT(yci_bsr_create(&s.c, N, dim, (const int(*)[2])bad, 1, &none), YC_ERROR_ARGUMENT);
+    dim[3] = YCI_BLOCK_MAX + 1;
+    CHECK(yci_bsr_create(&s.c, N, dim, (const int(*)[2])pair, pairs, &none) == YC_ERROR_ARGUMENT && none.val == NULL);
+    dim[3] = 1;
+    CHECK(yci_ldl_analyze(&s.c, N, dim, s.m.ptr, s.m.col, dim, &f) == YC_ERROR_ARGUMENT && !f); /* 1, 1, ... */
+    CHECK_RESULT(yci_ldl_analyze(&s.c, N, dim, s.m.ptr, s.m.col, NULL, &f), YC_OK);
+    system_fill(&s, 2, 5);
+    CHECK(yci_ldl_factor(f, s.m.val, s.m.at, 1) == YC_ERROR_NOT_SPD && !f->factored);
+    CHECK(yci_ldl_factor(f, s.m.val, s.m.at, 0) == YC_OK && f->factored);
+    for (i = 0; i < N; i++) /* a free chain: the Laplacian has a null vector */
+        for (k = s.m.ptr[i]; k < s.m.ptr[i + 1]; k++)
+            s.m.val[s.m.at[k]] = s.m.col[k] != i ? -1.0 : s.m.ptr[i + 1] - s.m.ptr[i] - 1;
+    CHECK_RESULT(yci_ldl_factor(f, s.m.val, s.m.at, 1), YC_ERROR_NOT_SPD);
+    CHECK(yci_ldl_factor(f, s.m.val, s.m.at, 0) == YC_ERROR_SINGULAR && strstr(s.c.message, "node"));
+    s.m.val[s.m.at[s.m.diag[4]]] += 1.0;
+    CHECK_RESULT(yci_ldl_factor(f, s.m.val, s.m.at, 1), YC_OK);
+    s.m.val[s.m.at[s.m.diag[7]] + 1] = NAN, s.m.val[s.m.at[s.m.diag[8]] - 1] = NAN; /* one entry and its mirror */
+    CHECK_RESULT(yci_ldl_factor(f, s.m.val, s.m.at, 1), YC_ERROR_NOT_SPD);
+    CHECK_RESULT(yci_ldl_factor(f, s.m.val, s.m.at, 0), YC_ERROR_SINGULAR);
+    yci_ldl_destroy(f);
+    yci_ldl_destroy(NULL);
+    system_close(&s);
+}
+
+/* The ordering is a permutation on random graphs, and its fill on a grid is that of a minimum-degree method. */
+TEST(sparse_order) {
+    enum { N = 2500 };
+    static int pair[4 * N][2], dim[N], order[N], seen[N];
+    uint64_t seed = 1;
+    int trial, i;
+    for (trial = 0; trial < 6; trial++) {
+        linear_system s;
+        yci_ldl *f = NULL;
+        size_t pairs = graph(trial < 4 ? 2 : trial == 4 ? 4 : 0, N, pair, &seed);
+        for (i = 0; i < N; i++) dim[i] = trial == 1 ? i % 2 : 1, seen[i] = 0;
+        system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
+        CHECK_RESULT(yci_order_minimum_degree(&s.c, N, dim, s.m.ptr, s.m.col, order), YC_OK);
+        for (i = 0; i < N; i++) seen[order[i]]++;
+        for (i = 0; i < N; i++) CHECK(seen[i] == 1);
+        if (trial >= 4) {
+            CHECK_RESULT(yci_ldl_analyze(&s.c, N, dim, s.m.ptr, s.m.col, NULL, &f), YC_OK);
+            CHECK(f->nonzeros < (trial == 4 ? 30.0 : 4.0) * (double)N);
+            yci_ldl_destroy(f);
+        }
+        system_close(&s);
+    }
+}
+
+/* ---- incomplete -------------------------------------------------------------------------------------------------- */
+
+/* Iterations of conjugate gradients on m from 0 to a residual of 1e-8 of the first. */
+static int iterations(yci_context *c, const yci_bsr *m, const yci_ic *f) {
+    int size = m->off[m->n], i, k;
+    double *x = (double *)calloc(5 * (size_t)size, sizeof(double)), *r = x + size, *z = r + size;
+    double *p = z + size, *q = p + size;
+    double rho = 0.0, first = 0.0;
+    uint64_t seed = 77;
+    for (i = 0; i < size; i++) r[i] = test_random(&seed, -1.0, 1.0);
+    for (k = 0; k < 1000; k++) {
+        double norm = 0.0, next = 0.0, pq = 0.0;
+        for (i = 0; i < size; i++) norm += r[i] * r[i];
+        if (k == 0) first = norm;
+        if (norm <= 1e-16 * first) break;
+        memcpy(z, r, (size_t)size * sizeof(double));
+        if (f) yci_ic_solve(f, z);
+        for (i = 0; i < size; i++) next += r[i] * z[i];
+        for (i = 0; i < size; i++) p[i] = z[i] + (k ? next / rho : 0.0) * p[i];
+        rho = next;
+        yci_bsr_multiply(c, m, p, q);
+        for (i = 0; i < size; i++) pq += p[i] * q[i];
+        for (i = 0; i < size; i++) x[i] += rho / pq * p[i], r[i] -= rho / pq * q[i];
+    }
+    free(x);
+    return k;
+}
+
+/* Grid Laplacian, each dimension coupled a little to the others, pinned weakly. */
+static void grid_values(yci_bsr *m) {
+    int i, k, a, b;
+    for (i = 0; i < m->n; i++)
+        for (k = m->ptr[i]; k < m->ptr[i + 1]; k++)
+            for (a = 0; a < m->dim[i]; a++)
+                for (b = 0; b < m->dim[m->col[k]]; b++)
+                    m->val[m->at[k] + (size_t)(a * m->dim[m->col[k]] + b)] =
+                        (a == b ? 1.0 : 0.2) * (m->col[k] == i ? m->ptr[i + 1] - m->ptr[i] - 1 + 1e-3 : -1.0);
+}
+
+TEST(sparse_incomplete) {
+    enum { N = 400 };
+    static int pair[3 * N][2], dim[N], order[N];
+    uint64_t seed = 8;
+    linear_system s;
+    yci_ic *f = NULL;
+    size_t pairs = graph(4, N, pair, &seed);
+    int i, k, plain, better;
+    for (i = 0; i < N; i++) dim[i] = 3, order[i] = i;
+    system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
+    grid_values(&s.m);
+    CHECK(yci_ic_create(&s.c, &s.m, order, N, &f) == YC_OK && yci_ic_factor(f, &s.m) == YC_OK && f->shift == 0.0);
+    plain = iterations(&s.c, &s.m, NULL), better = iterations(&s.c, &s.m, f);
+    CHECK(better * 2 < plain && better > 1);
+    /* Stronger coupling makes the matrix indefinite: the diagonal is raised, or everything else given up. */
+    for (k = 0; k < 2; k++) {
+        for (i = 0; i < s.m.ptr[N]; i++) {
+            int a, own = 0;
+            for (a = 0; a < N; a++) own |= s.m.diag[a] == i;
+            for (a = 0; !own && a < 9; a++) s.m.val[s.m.at[i] + (size_t)a] *= k ? 100.0 : 1.2;
+        }
+        CHECK_RESULT(yci_ic_factor(f, &s.m), YC_OK);
+        CHECK(k ? f->diagonal_only && f->shift == 0.0 : !f->diagonal_only && f->shift > 0.0);
+    }
+    s.m.val[s.m.at[s.m.diag[9]]] = -1.0;
+    CHECK(yci_ic_factor(f, &s.m) == YC_ERROR_NOT_SPD && strstr(s.c.message, "node 9"));
+    yci_ic_destroy(f);
+    CHECK(yci_ic_create(&s.c, &s.m, dim, N, &f) == YC_ERROR_ARGUMENT && f == NULL);
+    yci_ic_destroy(NULL);
+    system_close(&s);
+}
+
+/* On a chain IC(0) is exact, whatever the order along it and the dimensions; nodes left out keep their values. */
+TEST(sparse_incomplete_exact) {
+    enum { N = 30 };
+    static int pair[3 * N][2], dim[N], order[N];
+    uint64_t seed = 8;
+    linear_system s;
+    yci_ic *f = NULL;
+    size_t pairs = graph(3, N, pair, &seed);
+    int i, part, size, first;
+    double *x, *y, worst;
+    for (part = 0; part < 2; part++) {
+        for (i = 0; i < N; i++) dim[i] = part ? i % 6 : 3 + 2 * (i % 2), order[i] = part ? N - 1 - i : i;
+        system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
+        system_fill(&s, 1, 5);
+        size = s.m.off[N], first = s.m.off[part ? 10 : 0];
+        x = (double *)malloc((size_t)size * sizeof(double)), y = (double *)malloc((size_t)size * sizeof(double));
+        for (i = 0; i < size; i++) x[i] = i < first ? 0.0 : test_random(&seed, -1.0, 1.0);
+        yci_bsr_multiply(&s.c, &s.m, x, y);
+        for (i = 0; i < first; i++) y[i] = 7.0;
+        CHECK(yci_ic_create(&s.c, &s.m, order, part ? N - 10 : N, &f) == YC_OK && yci_ic_factor(f, &s.m) == YC_OK);
+        yci_ic_solve(f, y);
+        for (i = first, worst = 0.0; i < size; i++) worst = yci_max(worst, fabs(x[i] - y[i]));
+        for (i = 0; i < first; i++) CHECK(y[i] == 7.0);
+        CHECK(worst < 1e-13);
+        yci_ic_destroy(f);
+        system_close(&s);
+        free(x), free(y);
+    }
+}
+
+/* ---- public ------------------------------------------------------------------------------------------------------ */
+
+TEST(sparse_chol) {
+    /* [4 1 0 1; 1 5 2 0; 0 2 6 0; 1 0 0 7], lower and full, by unknowns and by pairs of unknowns */
+    static const int lower_ptr[] = {0, 1, 3, 5, 7}, lower_col[] = {0, 0, 1, 1, 2, 0, 3};
+    static const int full_ptr[] = {0, 3, 6, 8, 10}, full_col[] = {0, 1, 3, 0, 1, 2, 1, 2, 0, 3};
+    static const int reversed[] = {3, 2, 1, 0};
+    static const double lower[] = {4, 1, 5, 2, 6, 1, 7}, full[] = {4, NAN, NAN, 1, 5, NAN, 2, 6, 1, 7};
+    int trial, k;
+    for (trial = 0; trial < 8; trial++) {
+        yc_chol_options options;
+        yc_chol_statistics stats;
+        yc_chol *chol = NULL;
+        double x[50];
+        int is_full = trial % 2;
+        yc_chol_options_default(&options);
+        options.block = trial & 2 ? 2 : 1, options.kind = trial & 4 ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
+        options.order = trial & 4 && !(trial & 2) ? reversed : NULL;
+        CHECK(yc_chol_analyze(
+                  NULL, 4, is_full ? full_ptr : lower_ptr, is_full ? full_col : lower_col, &options, &chol) == YC_OK);
+        CHECK_RESULT(yc_chol_solve(chol, x, 1, 4), YC_ERROR_ARGUMENT);
+        CHECK(yc_chol_factor(chol, is_full ? full : lower) == YC_OK);
+        for (k = 0; k < 10; k++) x[5 * k] = 10 * k, x[5 * k + 1] = 17 * k, x[5 * k + 2] = 22 * k, x[5 * k + 3] = 29 * k;
+        for (k = 0; k < 10; k++) x[5 * k + 4] = -3.0;
+        CHECK_RESULT(yc_chol_solve(chol, x, 10, 5), YC_OK);
+        for (k = 0; k < 10; k++) {
+            CHECK(fabs(4 * x[5 * k] + x[5 * k + 1] + x[5 * k + 3] - 10 * k) < 1e-11);
+            CHECK(fabs(x[5 * k] + 5 * x[5 * k + 1] + 2 * x[5 * k + 2] - 17 * k) < 1e-11);
+            CHECK(fabs(2 * x[5 * k + 1] + 6 * x[5 * k + 2] - 22 * k) < 1e-11);
+            CHECK(fabs(x[5 * k] + 7 * x[5 * k + 3] - 29 * k) < 1e-11);
+            CHECK(x[5 * k + 4] == -3.0);
+        }
+        CHECK(yc_chol_stats(chol, &stats) == YC_OK && stats.nonzeros >= 7 && stats.supernodes >= 1 && stats.bytes > 0);
+        yc_chol_destroy(chol);
+    }
+    yc_chol_destroy(NULL);
+}
+
+static void keep_log(void *user, const char *text) { snprintf((char *)user, 256, "%s", text); }
+
+TEST(sparse_chol_errors) {
+    static const int ptr[] = {0, 1, 3, 6};
+    static const int cols[][6] = {
+        {0, 0, 1, 0, 1, 2}, {0, 1, 0, 0, 1, 2}, {0, 0, 1, 0, 0, 2}, {0, 0, 1, 0, 1, 3}, {0, 0, 2, 0, 1, 2}};
+    static const char *words[] = {"", "unsorted", "duplicate", "col[5] is 3", "not both"};
+    static double values[] = {2, 3, 2, 0, 0, 1};
+    int i, none = 0;
+    char text[256];
+    yc_chol *chol = NULL;
+    yc_chol_options options;
+    yc_host host;
+    memset(&host, 0, sizeof host);
+    host.user = text, host.log = keep_log;
+    for (i = 1; i < 5; i++) {
+        CHECK(yc_chol_analyze(&host, 3, ptr, cols[i], NULL, &chol) == YC_ERROR_ARGUMENT && !chol);
+        CHECK(strstr(text, words[i]) != NULL);
+    }
+    CHECK_RESULT(yc_chol_analyze(&host, -1, ptr, cols[0], NULL, &chol), YC_ERROR_ARGUMENT);
+    CHECK_RESULT(yc_chol_analyze(&host, 3, NULL, cols[0], NULL, &chol), YC_ERROR_ARGUMENT);
+    memset(&options, 0, sizeof options);
+    CHECK_RESULT(yc_chol_analyze(&host, 3, ptr, cols[0], &options, &chol), YC_ERROR_ARGUMENT);
+    yc_chol_options_default(&options);
+    options.block = 2;
+    CHECK_RESULT(yc_chol_analyze(&host, 3, ptr, cols[0], &options, &chol), YC_ERROR_ARGUMENT);
+    CHECK_RESULT(yc_chol_analyze(&host, 0, &none, NULL, NULL, &chol), YC_OK);
+    CHECK(yc_chol_factor(chol, NULL) == YC_OK && yc_chol_solve(chol, NULL, 1, 0) == YC_OK);
+    yc_chol_destroy(chol);
+    CHECK_RESULT(yc_chol_analyze(&host, 3, ptr, cols[0], NULL, &chol), YC_OK);
+    CHECK(yc_chol_factor(chol, values) == YC_ERROR_NOT_SPD && strstr(yc_chol_message(chol), "node"));
+    values[1] = 0.5;
+    CHECK_RESULT(yc_chol_factor(chol, values), YC_OK);
+    values[1] = NAN;
+    CHECK(yc_chol_factor(chol, values) == YC_ERROR_ARGUMENT && strstr(yc_chol_message(chol), "values[1]"));
+    values[1] = 3;
+    yc_chol_destroy(chol);
+}
+
+/* Everything these chapters make, with that many allocations granted. Returns whether all of it was made. */
+static int memory_round(int granted) {
+    static const int pair[][2] = {{0, 1}, {1, 2}, {2, 3}, {3, 0}, {1, 3}}, dim[] = {3, 1, 0, 2}, order[] = {3, 1, 0};
+    static const int ptr[] = {0, 1, 3, 5}, col[] = {0, 0, 1, 1, 2};
+    yc_host host = test_host_failing(granted);
+    yci_context c;
+    yci_bsr m;
+    yci_ldl *ldl = NULL;
+    yci_ic *ic = NULL;
+    yc_lu *lu = NULL;
+    yc_chol *chol = NULL;
+    yc_result result[5];
+    int i, made = 0;
+    CHECK_RESULT(yci_context_init(&c, &host), YC_OK);
+    result[0] = yci_bsr_create(&c, 4, dim, pair, 5, &m);
+    result[1] = m.val ? yci_ldl_analyze(&c, 4, m.dim, m.ptr, m.col, NULL, &ldl) : YC_ERROR_MEMORY;
+    result[2] = m.val ? yci_ic_create(&c, &m, order, 3, &ic) : YC_ERROR_MEMORY;
+    result[3] = yc_lu_create(&host, 5, &lu);
+    result[4] = yc_chol_analyze(&host, 3, ptr, col, NULL, &chol);
+    for (i = 0; i < 5; i++) {
+        CHECK(result[i] == YC_OK || result[i] == YC_ERROR_MEMORY);
+        made += result[i] == YC_OK;
+    }
+    CHECK((result[1] == YC_OK) == (ldl != NULL) && (result[2] == YC_OK) == (ic != NULL));
+    CHECK((result[3] == YC_OK) == (lu != NULL) && (result[4] == YC_OK) == (chol != NULL));
+    yci_ldl_destroy(ldl), yci_ic_destroy(ic);
+    yci_bsr_destroy(&c, &m);
+    yc_lu_destroy(lu), yc_chol_destroy(chol);
+    CHECK(test_heap.live == 0 && c.bytes == 0);
+    return made == 5;
+}
+
+TEST(sparse_out_of_memory) {
+    int granted = 0;
+    while (granted < 1000 && !memory_round(granted)) granted++;
+    CHECK(granted > 40 && granted == test_heap.calls);
+}
