@@ -321,16 +321,16 @@ typedef struct yc_yarns {
 
 /* A weave. The draft is read like a weaver's draw-down: draft[r * repeat[0] + c] nonzero: warp c passes over weft r. */
 typedef struct yc_weave_desc {
-    unsigned cookie;            /* set by yc_weave_desc_default() */
-    double spacing[2];          /* m: between neighbouring warp yarns (along u), between weft yarns (along v); > 0;
-                                   default 2.5e-3 */
+    unsigned cookie; /* set by yc_weave_desc_default() */
+    /* m: between neighbouring warp yarns (along u), between weft yarns (along v); > 0; default 2.5e-3 */
+    double spacing[2];
     int repeat[2];              /* columns (warps) and rows (wefts) of the draft; >= 1; default 2, 2 */
     const unsigned char *draft; /* [repeat[1] * repeat[0]]; NULL: plain weave; default NULL */
     yc_yarn_material warp, weft;
-    yc_yarn_material rod; /* along welded seams of a mesh; rod.density = 0: no rods. Default: the yarn's, twice
-                                   as heavy */
-    double grain;         /* rad, turns the yarns against the pattern's axes, counter-clockwise; default 0 */
-    double size[2];       /* m, width and height of the cloth when no mesh is given; default 0.2, 0.2 */
+    /* along welded seams of a mesh; rod.density = 0: no rods. Default: the yarn's, twice as heavy */
+    yc_yarn_material rod;
+    double grain;   /* rad, turns the yarns against the pattern's axes, counter-clockwise; default 0 */
+    double size[2]; /* m, width and height of the cloth when no mesh is given; default 0.2, 0.2 */
 } yc_weave_desc;
 YC_API yc_weave_desc yc_weave_desc_default(void);
 
@@ -376,58 +376,61 @@ typedef struct yc_scene_desc {
     double gravity[3]; /* m/s^2; default 0, -9.81, 0 */
     double dt_max;     /* s, longest sub-step; > 0; preview 1/60, default 5e-3, reference 1e-3 */
     double dt_min;     /* s, shortest before a step is given up; (0, dt_max]; default 1e-6 */
-    double tolerance;  /* m: Newton stops when its largest correction is below; > 0; preview 1e-4, default
-                                 1e-5, reference 1e-8 */
-    int newton_limit;  /* Newton iterations of a sub-step; >= 1; preview 8, else 40 */
-    int best_effort;   /* what happens when they do not suffice. 0: the sub-step is halved. Nonzero: the last iterate,
-                                 the lowest in energy, is taken and counted in stats.unfinished; preview 1, else 0 */
-    yc_solver solver;  /* default YC_SOLVER_AUTO */
-    double linear_tolerance;  /* MPCG stops at this share of the starting residual, in the preconditioner's norm; (0,
-                                 1); default 1e-3, reference 1e-6 */
-    int linear_limit;         /* MPCG iterations; >= 1; default 2000. Reaching it is no error: the line search judges
-                                 the step */
+    /* m: Newton stops when its largest correction is below, or below a tenth of slip_speed * h where there is contact; a
+     * step of h thus accepts a speed error of tolerance / h. > 0; preview 1e-4, default 1e-5, reference 1e-8. */
+    double tolerance;
+    int newton_limit; /* Newton iterations of a sub-step; >= 1; preview 8, else 40 */
+    /* what happens when they do not suffice. 0: the sub-step is halved. Nonzero: the last iterate, the lowest in
+     * energy, is taken and counted in stats.unfinished; preview 1, else 0 */
+    int best_effort;
+    yc_solver solver; /* default YC_SOLVER_AUTO */
+    /* MPCG stops at this share of the starting residual, in the preconditioner's norm; (0, 1); default 1e-3,
+     * reference 1e-6 */
+    double linear_tolerance;
+    /* MPCG iterations; >= 1; default 2000. Reaching it is no error: the line search judges the step */
+    int linear_limit;
     double stiffness_damping; /* s, Rayleigh's beta, on strain rates: rigid motion is undamped; >= 0; default 0 */
     double mass_damping;      /* 1/s, Rayleigh's alpha; >= 0; default 0 */
     double contact_stiffness; /* N/m of penetration, per point; > 0; default 200 */
-    double thickness;         /* m, at which triangles feel bodies, and half of what they keep between each other; >
-                                 0; default 1.5e-3 */
-    double slip_speed;        /* m/s below which Coulomb friction acts like a viscous brake; > 0; default 1e-3 */
-    int self_contact;         /* nonzero: cloth against cloth; default 0 */
-    double self_friction;     /* Coulomb coefficient of cloth on cloth; [0, 10]; default 0.2 */
+    /* m, at which triangles feel bodies, and half of what they keep between each other; > 0; default 1.5e-3 */
+    double thickness;
+    double slip_speed;    /* m/s below which Coulomb friction acts like a viscous brake; > 0; default 1e-3 */
+    int self_contact;     /* nonzero: cloth against cloth; default 0 */
+    double self_friction; /* Coulomb coefficient of cloth on cloth; [0, 10]; default 0.2 */
 } yc_scene_desc;
 YC_API yc_scene_desc yc_scene_desc_preset(yc_preset preset);
 YC_API yc_scene_desc yc_scene_desc_default(void); /* YC_DEFAULT */
 
 typedef struct yc_cloth_desc {
-    unsigned cookie;                   /* set by yc_cloth_desc_default() */
-    yc_mesh mesh;                      /* zero: none, then yarns alone make the cloth */
-    const yc_yarns *yarns;             /* NULL: triangles alone. Copied, like every array here */
-    const double (*yarn_positions)[3]; /* [node_count], m: where yarn nodes start; NULL: on the mesh, or at their
-                                          layout without one */
-    const double *alpha;               /* [vertex_count], 0 triangles .. 1 yarns, in between both; NULL: alpha_uniform
-                                     everywhere */
-    double alpha_uniform;              /* [0, 1]; default 0. Without a mesh 1 is meant and this is not looked at */
+    unsigned cookie;       /* set by yc_cloth_desc_default() */
+    yc_mesh mesh;          /* zero: none, then yarns alone make the cloth */
+    const yc_yarns *yarns; /* NULL: triangles alone. Copied, like every array here */
+    /* [node_count], m: where yarn nodes start; NULL: on the mesh, or at their layout without one */
+    const double (*yarn_positions)[3];
+    /* [vertex_count], 0 triangles .. 1 yarns, in between both; NULL: alpha_uniform everywhere */
+    const double *alpha;
+    double alpha_uniform; /* [0, 1]; default 0. Without a mesh 1 is meant and this is not looked at */
     yc_triangle_material material;
     const double *grain;      /* [triangle_count], rad, material's direction against u; NULL: 0 */
     const double *prestretch; /* [triangle_count], rest = UV times this; > 0; NULL: 1 */
     int hold_sliding;         /* nonzero: no yarn slides; default 0 */
-    int enrich_all;           /* validation (MIX Fig. 3): every triangle hybrid with alpha 1 and no sliding;
-                                     default 0 */
+    /* validation (MIX Fig. 3): every triangle hybrid with alpha 1 and no sliding; default 0 */
+    int enrich_all;
 } yc_cloth_desc;
 YC_API yc_cloth_desc yc_cloth_desc_default(void);
 
 /* Two chains of vertices to be sewn, pair by pair: springs draw them together over close_time, then the pairs are
  * welded into one vertex each. The caller's indices stay valid: both of a pair then report the same position. */
 typedef struct yc_seam_desc {
-    unsigned cookie;      /* set by yc_seam_desc_default() */
-    int cloth[2];         /* handles; may be the same */
-    int count;            /* pairs; >= 1 */
-    const int *a, *b;     /* [count], vertices of cloth[0] and cloth[1]; a[k] meets b[k] */
-    double stiffness;     /* N/m per pair; > 0; default 100 */
-    double close_time;    /* s, over which the springs' rest length shrinks to zero; >= 0; default 0.5 */
-    double weld_distance; /* m: once every pair of the seam is closer, after close_time, it is welded; >= 0; default
-                              2e-3 */
-    double rest_angle;    /* rad, of hinges across the welded seam; (-pi, pi); default 0 */
+    unsigned cookie;   /* set by yc_seam_desc_default() */
+    int cloth[2];      /* handles; may be the same */
+    int count;         /* pairs; >= 1 */
+    const int *a, *b;  /* [count], vertices of cloth[0] and cloth[1]; a[k] meets b[k] */
+    double stiffness;  /* N/m per pair; > 0; default 100 */
+    double close_time; /* s, over which the springs' rest length shrinks to zero; >= 0; default 0.5 */
+    /* m: once every pair of the seam is closer, after close_time, it is welded; >= 0; default 2e-3 */
+    double weld_distance;
+    double rest_angle; /* rad, of hinges across the welded seam; (-pi, pi); default 0 */
 } yc_seam_desc;
 YC_API yc_seam_desc yc_seam_desc_default(void);
 
@@ -453,22 +456,24 @@ typedef struct yc_primitive {
     double ra;         /* sphere: > 0. Rounded cone: >= 0. Box: >= 0 and at most the smallest of b */
     double rb;         /* rounded cone: >= 0, and ra + rb > 0 */
     int section_count; /* loft: 2 to 65536 */
-    const double (*sections)[4]; /* loft, section_count rows: height y (strictly ascending), half width along x (> 0),
-                                    half depth along z (> 0), centre z. A section is the curve
-                                    |x / width|^e + |(z - centre) / depth|^e = 1; in between all three go linearly */
-    double exponent;             /* loft: e above, 2 (ellipse) to 8 (nearly a rectangle); a human torso is near 2.3 */
+    /* loft, section_count rows: height y (strictly ascending), half width along x (> 0), half depth along z (> 0),
+     * centre z. A section is the curve |x / width|^e + |(z - centre) / depth|^e = 1; in between all three go
+     * linearly */
+    const double (*sections)[4];
+    double exponent; /* loft: e above, 2 (ellipse) to 8 (nearly a rectangle); a human torso is near 2.3 */
 } yc_primitive;
 
 /* A rigid body: the union of its primitives. Make it with yc_body_desc_default(); any other is refused. */
 typedef struct yc_body_desc {
-    unsigned cookie;                /* set by yc_body_desc_default() */
-    int primitive_count;            /* 1 to 65536; default 0, so it must be set */
-    const yc_primitive *primitives; /* primitive_count of them, copied; default NULL. Their order matters a little where
-                                       three or more blend at one place */
-    double smooth_radius;           /* m, >= 0, default 0: surfaces closer than this blend into each other, by a
-                                       polynomial smooth union that adds at most a quarter of it per joint; 0 is the
-                                       sharp union */
-    double friction;                /* Coulomb coefficient of cloth on the body, 0 to 10, default 0.3 */
+    unsigned cookie;     /* set by yc_body_desc_default() */
+    int primitive_count; /* 1 to 65536; default 0, so it must be set */
+    /* primitive_count of them, copied; default NULL. Their order matters a little where three or more blend at one
+     * place */
+    const yc_primitive *primitives;
+    /* m, >= 0, default 0: surfaces closer than this blend into each other, by a polynomial smooth union that adds at
+     * most a quarter of it per joint; 0 is the sharp union */
+    double smooth_radius;
+    double friction; /* Coulomb coefficient of cloth on the body, 0 to 10, default 0.3 */
 } yc_body_desc;
 
 /* Returns the defaults named above. Never fails. */
@@ -499,8 +504,8 @@ typedef struct yc_stats {
     int newton, linear;     /* Newton and MPCG iterations */
     double correction;      /* m, largest correction of the last Newton iteration */
     double residual;        /* N, largest force left over at the last iterate */
-    double seconds_assembly, seconds_solve, seconds_contact, seconds; /* s, processor time of this process; 0 where
-                                                                         clock() is missing */
+    /* s, processor time of this process; 0 where clock() is missing */
+    double seconds_assembly, seconds_solve, seconds_contact, seconds;
     int vertices, full_nodes, hybrid_nodes, dummy_nodes; /* in the mechanics; dummy yarn nodes are for drawing only */
     int hybrid_vertices;                                 /* vertices carrying the filter */
     int dofs;                                            /* unknowns of the linear system */
@@ -7598,7 +7603,8 @@ static void yci_build_holders(yc_scene *s, yci_model *m) {
         for (k = 0; k < cloth->desc.mesh.vertex_count; k++) {
             int vertex = s->weld[cloth->vertex + k], node, best = -1;
             double nearest = 2.0; /* weights of a node in its triangle: 1 at the vertex itself */
-            if (!y || !s->pin[vertex] || m->role[vertex] != YCI_IDLE || m->holder[vertex] >= 0) continue;
+            if (!y || !s->pin[vertex] || m->holder[vertex] >= 0) continue;
+            if (m->role[vertex] != YCI_IDLE && !cloth->desc.enrich_all) continue;
             for (node = 0; node < y->node_count; node++)
                 for (j = 0; j < 3; j++)
                     if (s->triangle[3 * (cloth->triangle + y->triangle[node]) + j] == vertex &&
@@ -8797,7 +8803,10 @@ static yc_result yci_line_search(yc_scene *s, double energy, double scale, doubl
 static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
     yci_model *m = s->model;
     yc_result result;
+    double tolerance = s->desc.tolerance;
     int iteration, i, size = yci_system_size(&m->system);
+    /* Friction has a scale of its own: the slip over one step at which the brake becomes a slip. */
+    if (m->touch_count || m->pairs.count) tolerance = yci_min(tolerance, 0.1 * s->desc.slip_speed * m->h);
     for (iteration = 0; iteration < s->desc.newton_limit; iteration++) {
         double scale, energy, clock = yci_seconds();
         if (iteration && m->searched && yci_pairs_drift(s->nodes, m->searched, s->x) > 0.25 * m->margin) {
@@ -8822,7 +8831,7 @@ static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
         result = yci_line_search(s, energy, scale, stats->correction);
         stats->seconds_assembly += yci_seconds() - clock;
         if (result != YC_OK) return result;
-        if (stats->correction <= s->desc.tolerance) return YC_OK;
+        if (stats->correction <= tolerance) return YC_OK;
     }
     if (s->desc.best_effort) {
         stats->unfinished++;

@@ -129,7 +129,7 @@ static yc_scene_desc draping(void) {
     yc_scene_desc settings = yc_scene_desc_default();
     settings.dt_max = 1.0 / 60.0, settings.tolerance = 1e-4, settings.newton_limit = 8, settings.best_effort = 1;
     settings.linear_tolerance = 1e-2; /* a garment at rest is asked for, not its way there */
-    settings.thickness = 2.5e-3, settings.contact_stiffness = 1500.0;
+    settings.thickness = 2.5e-3, settings.contact_stiffness = 1500.0, settings.slip_speed = 0.05;
     return settings;
 }
 
@@ -270,7 +270,7 @@ static void draw_body(ex_scene *picture, const garment *g) {
         g->skin.triangle_count, NULL, NULL, &skin);
 }
 
-/* The triangles; with `holes` those are left out whose yarns are drawn. */
+/* The triangles; with `holes` without those where yarns alone act. In the hybrid ring both are drawn, as both act. */
 static void draw_cloth(ex_scene *picture, const garment *g, int holes, double wire) {
     const double *color = strcmp(g->fabric, "linen") ? cotton_warp : linen_warp;
     int (*kept)[3] = calloc((size_t)g->pattern.triangle_count, sizeof *kept), i, count = 0;
@@ -279,7 +279,7 @@ static void draw_cloth(ex_scene *picture, const garment *g, int holes, double wi
     cloth.wire = wire;
     for (i = 0; kept && i < g->pattern.triangle_count; i++) {
         const int *t = g->triangles[i];
-        if (holes && (g->alpha[t[0]] > 0.0 || g->alpha[t[1]] > 0.0 || g->alpha[t[2]] > 0.0)) continue;
+        if (holes && g->alpha[t[0]] >= 1.0 && g->alpha[t[1]] >= 1.0 && g->alpha[t[2]] >= 1.0) continue;
         memcpy(kept[count++], t, sizeof *kept);
     }
     if (kept) ex_render_mesh(picture, (const double(*)[3])g->x, g->pattern.vertex_count, (const int(*)[3])kept, count, NULL, NULL, &cloth);
@@ -349,7 +349,8 @@ static int draw_after(garment *g) {
     ex_scene *picture;
     int ok = make_curves(g, &curves);
     ex_look_default(&look);
-    look.ao_radius = 3.0 * g->spacing;
+    look.ao_radius = 2.0 * g->spacing, look.ao_strength = 1.6;
+    look.key[0] = 0.75, look.key[1] = 0.65, look.key[2] = 0.9;
     look_at_region(g, 0.5, &near);
     picture = ex_render_begin(1000, 1000, &near, &look);
     draw_body(picture, g), draw_cloth(picture, g, 1, 0.0);

@@ -172,7 +172,7 @@ scene_swatch *scene_swing(scene_kind kind, int cells) {
     double radius = 0.25e-3, area = 3.14159265358979323846 * radius * radius;
     d.spacing = 1e-3;
     d.cells[0] = d.cells[1] = cells;
-    d.size[0] = d.size[1] = 5.0 * d.spacing * cells;
+    d.size[0] = d.size[1] = 10.0 * d.spacing * cells;
     d.yarn.radius = radius;
     d.yarn.stretch = 1e7 * area, d.yarn.density = 1000.0 * area, d.yarn.bending = 1e-9, d.yarn.shear = 1e-3;
     d.along_v[1] = 0.0, d.along_v[2] = -1.0; /* it lies flat, then swings about its edge v = 0 */

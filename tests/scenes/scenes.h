@@ -81,7 +81,7 @@ void scene_chain_free(scene_chain *chain);
 /* ---- the papers' scenes -------------------------------------------------------------------------------------------- */
 
 /* MIX Fig. 2: a swatch held along one edge swings down; soft yarns (k_s = 1e7 Pa times pi R^2), 0.1 ms. `cells` sets
- * the size: cells x cells triangles pairs with about 5 x 5 yarns each. The kind is as the caller wants it. */
+ * the size: cells x cells pairs of triangles with 10 x 10 crossings each. The kind is as the caller wants it. */
 scene_swatch *scene_swing(scene_kind kind, int cells);
 
 /* MIX Fig. 3: the two opposite sides u = 0 and u = size are held by pins on yarn nodes and moved along v. Call once to

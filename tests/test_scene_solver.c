@@ -1,0 +1,131 @@
+/* The solvers against each other, in the papers' scenes. */
+#include "scenes/scenes.h"
+#include "test.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* One step of the swing (MIX Fig. 2) after a few that have brought it into motion; positions of all yarn nodes. */
+static double (*swing_step(yc_solver solver, double dt, double stretch, double linear_tolerance, yc_stats *stats, int *count))[3] {
+    scene_swatch *s = scene_swing(SCENE_MIXED, 5);
+    yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
+    yc_scene *scene = NULL;
+    double(*x)[3];
+    int i;
+    s->yarns.materials[0].stretch *= stretch;
+    settings.linear_tolerance = linear_tolerance, settings.linear_limit = 20000, settings.dt_max = 1.0;
+    settings.solver = solver, settings.tolerance = 1e-10;
+    CHECK_RESULT(yc_scene_create(NULL, &settings, &scene, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_add_cloth(scene, &s->cloth, NULL), YC_OK);
+    for (i = 0; i <= s->desc.cells[0]; i++) CHECK_RESULT(yc_scene_pin(scene, 0, YC_VERTEX, i, NULL), YC_OK);
+    for (i = 0; i < 4; i++) CHECK_RESULT(yc_scene_step(scene, dt, stats), YC_OK);
+    *count = s->yarns.node_count;
+    x = (double(*)[3])malloc((size_t)*count * sizeof *x);
+    CHECK_RESULT(yc_scene_positions(scene, 0, YC_NODE, x), YC_OK);
+    yc_scene_destroy(scene);
+    scene_swatch_free(s);
+    return x;
+}
+
+static double per_newton(const yc_stats *stats) { return (double)stats->linear / (double)stats->newton; }
+
+TEST(scene_solver_all_give_the_same_step) {
+    static const yc_solver solvers[] = {
+        YC_SOLVER_TWO_LEVEL, YC_SOLVER_NONE, YC_SOLVER_MASS_DIAGONAL, YC_SOLVER_MASS, YC_SOLVER_MASS_DENSE};
+    double(*x[5])[3];
+    yc_stats stats;
+    int i, count;
+    for (i = 0; i < 5; i++) x[i] = swing_step(solvers[i], 1e-4, 1.0, 1e-8, &stats, &count);
+    for (i = 1; i < 5; i++) CHECK_NEAR_ALL(&x[i][0][0], &x[0][0][0], 3 * count, 1e-9);
+    for (i = 0; i < 5; i++) free(x[i]);
+}
+
+/* MIX's own regime: Y = 1e7, 0.1 ms. */
+TEST(scene_solver_mass_in_its_regime) {
+    yc_stats none, mass, dense;
+    double(*a)[3], (*b)[3], (*c)[3];
+    int count;
+    a = swing_step(YC_SOLVER_NONE, 1e-4, 1.0, 1e-6, &none, &count);
+    b = swing_step(YC_SOLVER_MASS, 1e-4, 1.0, 1e-6, &mass, &count);
+    c = swing_step(YC_SOLVER_MASS_DENSE, 1e-4, 1.0, 1e-6, &dense, &count);
+    CHECK(5.0 * per_newton(&mass) <= per_newton(&none));
+    CHECK_NEAR((double)dense.linear, (double)mass.linear, (double)mass.newton);
+    CHECK_NEAR_ALL(&c[0][0], &b[0][0], 3 * count, 1e-8);
+    free(a), free(b), free(c);
+}
+
+TEST(scene_solver_two_level_when_stiff) {
+    yc_stats two, mass;
+    double(*a)[3], (*b)[3];
+    int count;
+    a = swing_step(YC_SOLVER_TWO_LEVEL, 2e-3, 10.0, 1e-6, &two, &count);
+    b = swing_step(YC_SOLVER_MASS, 2e-3, 10.0, 1e-6, &mass, &count);
+    CHECK(per_newton(&two) <= per_newton(&mass));
+    CHECK_NEAR_ALL(&a[0][0], &b[0][0], 3 * count, 1e-7);
+    free(a), free(b);
+}
+
+/* MIX Fig. 3: an enriched patch moves like full yarns whose u is held. */
+static void check_shear(yc_solver solver, int steps) {
+    scene_swatch_desc d = scene_swatch_desc_default(SCENE_ENRICHED);
+    scene_swatch *s[2];
+    yc_scene *scene[2] = {NULL, NULL};
+    double(*x[2])[3], moved = 0.0;
+    int i, k, step;
+    d.cells[0] = d.cells[1] = 3, d.size[0] = d.size[1] = 0.03;
+    for (i = 0; i < 2; i++) {
+        yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
+        d.kind = i ? SCENE_YARNS : SCENE_ENRICHED;
+        s[i] = scene_swatch_new(&d);
+        s[i]->cloth.hold_sliding = 1;
+        settings.tolerance = 1e-10, settings.linear_tolerance = 1e-8, settings.solver = i ? YC_SOLVER_DIRECT : solver;
+        settings.dt_max = 1.0, settings.linear_limit = 20000;
+        CHECK_RESULT(yc_scene_create(NULL, &settings, &scene[i], NULL), YC_OK);
+        CHECK_RESULT(yc_scene_add_cloth(scene[i], &s[i]->cloth, NULL), YC_OK);
+        CHECK_RESULT(scene_shear(scene[i], 0, s[i], 0.0), YC_OK);
+        x[i] = (double(*)[3])malloc((size_t)s[i]->yarns.node_count * sizeof *x[i]);
+    }
+    for (step = 1; step <= steps; step++)
+        for (i = 0; i < 2; i++) {
+            CHECK_RESULT(scene_shear(scene[i], 0, s[i], 0.01 * step / steps), YC_OK);
+            if (!CHECK_RESULT(yc_scene_step(scene[i], 1e-3, NULL), YC_OK)) step = steps;
+        }
+    for (i = 0; i < 2; i++) CHECK_RESULT(yc_scene_positions(scene[i], 0, YC_NODE, x[i]), YC_OK);
+    CHECK_NEAR_ALL(&x[0][0][0], &x[1][0][0], 3 * s[0]->yarns.node_count, 1e-6 * d.size[0]);
+    for (i = 0; i < s[0]->yarns.node_count; i++)
+        for (k = 0; k < 3; k++) moved = fmax(moved, fabs(x[0][i][k] - s[0]->nodes[i][k]));
+    CHECK(moved > 4e-3);
+    for (i = 0; i < 2; i++) free(x[i]), yc_scene_destroy(scene[i]), scene_swatch_free(s[i]);
+}
+
+TEST(scene_solver_enriched_equals_yarns) { check_shear(YC_SOLVER_TWO_LEVEL, 50); }
+TEST(scene_solver_enriched_equals_yarns_by_mass) { check_shear(YC_SOLVER_MASS, 10); }
+
+/* Default settings, a swatch hung by two corners: the work of its first 0.1 s. */
+TEST(scene_solver_effort_stays_in_bounds) {
+    static const scene_kind kinds[] = {SCENE_TRIANGLES, SCENE_YARNS, SCENE_YARNS_ALONE, SCENE_MIXED};
+    int i, step;
+    for (i = 0; i < 4; i++) {
+        scene_swatch_desc d = scene_swatch_desc_default(kinds[i]);
+        scene_swatch *s;
+        yc_scene_desc settings = yc_scene_desc_default();
+        yc_scene *scene = NULL;
+        yc_stats stats;
+        int newton = 0, linear = 0, substeps = 0, rejected = 0;
+        if (kinds[i] != SCENE_MIXED) d.cells[0] = d.cells[1] = 3, d.size[0] = d.size[1] = 0.03;
+        s = scene_swatch_new(&d);
+        CHECK_RESULT(yc_scene_create(NULL, &settings, &scene, NULL), YC_OK);
+        CHECK_RESULT(yc_scene_add_cloth(scene, &s->cloth, NULL), YC_OK);
+        CHECK_RESULT(scene_swatch_pin(scene, 0, s, 0.0, d.size[1], NULL), YC_OK);
+        CHECK_RESULT(scene_swatch_pin(scene, 0, s, d.size[0], d.size[1], NULL), YC_OK);
+        for (step = 0; step < 20; step++) {
+            CHECK_RESULT(yc_scene_step(scene, 5e-3, &stats), YC_OK);
+            newton += stats.newton, linear += stats.linear, substeps += stats.substeps, rejected += stats.rejected;
+        }
+        CHECK(newton <= 20 * substeps);
+        CHECK(rejected <= 2);
+        CHECK(linear <= 60 * newton);
+        yc_scene_destroy(scene);
+        scene_swatch_free(s);
+    }
+}
