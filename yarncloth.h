@@ -274,7 +274,9 @@ typedef struct yc_triangle_material {
     double stretch[2]; /* N/m, along u and v; > 0; default 2000, 2000 */
     double coupling;   /* N/m; |coupling| < sqrt(stretch[0] stretch[1]); default 0 */
     double shear;      /* N/m; > 0; default 60 */
-    double bending;    /* flexural rigidity per width, N m; >= 0; default 8e-6 */
+    /* Flexural rigidity per width, N m; >= 0; default 8e-6. A cylinder stores 1/2 D kappa^2 per area; a free strip of a
+     * mesh of right triangles, whose diagonals all run one way, bends as with 0.8 D. */
+    double bending;
 } yc_triangle_material;
 YC_API yc_triangle_material yc_triangle_material_default(void);
 
@@ -376,8 +378,8 @@ typedef struct yc_scene_desc {
     double gravity[3]; /* m/s^2; default 0, -9.81, 0 */
     double dt_max;     /* s, longest sub-step; > 0; preview 1/60, default 5e-3, reference 1e-3 */
     double dt_min;     /* s, shortest before a step is given up; (0, dt_max]; default 1e-6 */
-    /* m: Newton stops when its largest correction is below, or below a tenth of slip_speed * h where there is contact; a
-     * step of h thus accepts a speed error of tolerance / h. > 0; preview 1e-4, default 1e-5, reference 1e-8. */
+    /* m: Newton stops when its largest correction is below, or below a tenth of slip_speed * h where there is contact.
+     * A step of h thus accepts a speed error of tolerance / h. > 0; preview 1e-4, default 1e-5, reference 1e-8. */
     double tolerance;
     int newton_limit; /* Newton iterations of a sub-step; >= 1; preview 8, else 40 */
     /* what happens when they do not suffice. 0: the sub-step is halved. Nonzero: the last iterate, the lowest in
@@ -3970,8 +3972,8 @@ YC_API void yc_yarns_destroy(yc_yarns *yarns) {
  *   contact      (k/d) g(d - du), the neighbouring crossings of one yarn. Convex: projected is exact.
  *   floor        k d b(du/d), b(t) = -(t - 1)^2 log t below 1, 0 above (C2, convex, without bound at 0): no segment
  *                vanishes between two steps. It acts far below any touching distance. Projected is exact.
- *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where it
- *                slips, the quadratic that touches from above: with the exact zero Newton overshoots the kink forever.
+ *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where
+ *                it slips, the parabola that touches from above: with the exact zero Newton overshoots the kink forever.
  *
  * The energies of an angle f(phi) share one Hessian. With unit edges a, b of lengths l1, l2, in-plane normals n1 (of a,
  * towards b) and n2 (of b, towards a) and the binormal m, grad phi = (-n1/l1, -n2/l2) and
@@ -7569,8 +7571,8 @@ static void yci_build_roles(yc_scene *s, yci_model *m) {
     for (i = 0; i < s->vertices; i++) m->vertices += m->role[i] != YCI_IDLE;
 }
 
-/* A yarn node none of whose segments is left, at the tip of the hybrid region, has neither mass nor stiffness: it is for
- * drawing only. `held` marks the others, and is free until the pins come. */
+/* A yarn node none of whose segments is left, at the tip of the hybrid region, has neither mass nor stiffness: it is
+ * for drawing only. `held` marks the others, and is free until the pins come. */
 static void yci_build_drop_loners(yc_scene *s, yci_model *m) {
     int i, k, yarn;
     for (i = 0; i < s->cloth_count; i++) {

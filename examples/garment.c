@@ -24,14 +24,16 @@ typedef struct garment {
     ex_body body;
     ex_mesh skin;
     ex_pattern pattern;
-    double (*x)[3];         /* vertices */
-    int (*triangles)[3];    /* welded */
+    double (*x)[3];      /* vertices */
+    int (*triangles)[3]; /* welded */
     double *alpha;
-    double *stress;         /* N/m, at vertices */
-    int center;             /* vertex in the middle of the region */
+    double *stress; /* N/m, at vertices */
+    int center;     /* vertex in the middle of the region */
     yc_yarns yarns;
     double (*nodes)[3];
-    ex_usd film;            /* of the triangles */
+    yc_curves curves; /* of the region's yarns; their points and radii in doubles, for drawing */
+    double (*points)[3], *radii;
+    ex_usd film; /* the animation being written */
 } garment;
 
 static int fail(const char *what, const char *why) {
@@ -50,12 +52,14 @@ static void progress(const char *what, double share) {
 /* ---- what the garment is made of ---- */
 
 /* A plain weave at a gauge of `spacing` that stands for a finer cloth: as heavy, as stiff in tension, shear and bending
- * per width as the cloth itself. Tension is what the cloth shows once its crimp has gone (Kawabata's range for shirting and for linen), for a
- * straight yarn has none to lose: a stretch poplin of cotton and elastane, and a washed linen. */
+ * per width as the cloth itself. Two cloths: a stretch chambray of cotton and elastane, and a washed linen. Their
+ * tension is what cloth shows before its crimp has gone, since a straight yarn has none to lose; mass, shear and
+ * bending lie in the ranges of shirting and linen (Kawabata 1980). */
 static yc_weave_desc fabric(const garment *g) {
     yc_weave_desc weave = yc_weave_desc_default();
     int linen = !strcmp(g->fabric, "linen");
-    double mass = linen ? 0.17 : 0.115, tension = linen ? 8e3 : 4e3, shear = linen ? 75.0 : 55.0, bending = linen ? 35e-6 : 8e-6;
+    double mass = linen ? 0.17 : 0.115, tension = linen ? 8e3 : 4e3, shear = linen ? 75.0 : 55.0,
+           bending = linen ? 35e-6 : 8e-6;
     yc_yarn_material yarn = yc_yarn_material_default();
     yarn.density = 0.5 * mass * g->spacing;
     yarn.stretch = tension * g->spacing;
@@ -138,12 +142,14 @@ static void report(const char *what, yc_scene *scene, const yc_stats *s, int ste
     double e[YC_TERM_COUNT];
     int i;
     printf("\n%s\n", what);
-    printf("  vertices %d (%d hybrid), yarn nodes %d full + %d hybrid + %d for drawing only\n", s->vertices, s->hybrid_vertices,
-        s->full_nodes, s->hybrid_nodes, s->dummy_nodes);
+    printf("  vertices %d (%d hybrid), yarn nodes %d full + %d hybrid + %d for drawing only\n", s->vertices,
+        s->hybrid_vertices, s->full_nodes, s->hybrid_nodes, s->dummy_nodes);
     printf("  unknowns %d, memory %.1f MB\n", s->dofs, 1e-6 * (double)s->bytes_peak);
-    printf("  %d frames in %d sub-steps: %.3f s per sub-step, %.1f Newton and %.0f MPCG iterations\n", steps, sum->substeps, sum->seconds / sum->substeps, (double)sum->newton / sum->substeps,
+    printf("  %d frames in %d sub-steps: %.3f s per sub-step, %.1f Newton and %.0f MPCG iterations\n", steps,
+        sum->substeps, sum->seconds / sum->substeps, (double)sum->newton / sum->substeps,
         (double)sum->linear / sum->substeps);
-    printf("  assembly %.1f s, solving %.1f s, contact search %.1f s\n", sum->seconds_assembly, sum->seconds_solve, sum->seconds_contact);
+    printf("  assembly %.1f s, solving %.1f s, contact search %.1f s\n", sum->seconds_assembly, sum->seconds_solve,
+        sum->seconds_contact);
     if (yc_scene_energy(scene, e) != YC_OK) return;
     printf("  energy, mJ:");
     for (i = 0; i < YC_TERM_COUNT; i++)
@@ -152,7 +158,8 @@ static void report(const char *what, yc_scene *scene, const yc_stats *s, int ste
 }
 
 static void add_up(yc_stats *sum, const yc_stats *s) {
-    sum->substeps += s->substeps, sum->rejected += s->rejected, sum->unfinished += s->unfinished, sum->newton += s->newton, sum->linear += s->linear;
+    sum->substeps += s->substeps, sum->rejected += s->rejected, sum->unfinished += s->unfinished,
+        sum->newton += s->newton, sum->linear += s->linear;
     sum->seconds += s->seconds, sum->seconds_assembly += s->seconds_assembly, sum->seconds_solve += s->seconds_solve;
     sum->seconds_contact += s->seconds_contact;
 }
@@ -171,7 +178,8 @@ static int sew(garment *g) {
     cloth.mesh = mesh_of(g, (const int(*)[3])g->pattern.triangles);
     cloth.material = yc_weave_material(&weave);
     if (yc_scene_create(NULL, &settings, &scene, why) != YC_OK) return fail("sewing", why);
-    ok = add_body(scene, &g->body) && yc_scene_add_cloth(scene, &cloth, &handle) == YC_OK && add_seams(scene, &g->pattern, handle);
+    ok = add_body(scene, &g->body) && yc_scene_add_cloth(scene, &cloth, &handle) == YC_OK &&
+        add_seams(scene, &g->pattern, handle);
     for (frame = 0; ok && frame < frames; frame++) {
         if (frame == sewing) {
             settings.gravity[1] = weight, settings.mass_damping = 2.0;
@@ -183,7 +191,8 @@ static int sew(garment *g) {
         add_up(&sum, &stats);
         progress(frame < sewing ? "sewing, triangles" : "draping, triangles", (double)(frame + 1) / frames);
     }
-    ok = ok && yc_scene_triangles(scene, handle, g->triangles) == YC_OK && yc_scene_stress(scene, handle, g->stress) == YC_OK;
+    ok = ok && yc_scene_triangles(scene, handle, g->triangles) == YC_OK &&
+        yc_scene_stress(scene, handle, g->stress) == YC_OK;
     if (!ok) fail("sewing", yc_scene_message(scene));
     else if (stats.welded < g->pattern.seam_count) ok = fail("sewing", "not every seam closed");
     else report("Triangles, sewn and draped", scene, &stats, frames, &sum);
@@ -206,7 +215,7 @@ static void choose(garment *g) {
     int i;
     for (i = 0; i < g->pattern.vertex_count; i++) {
         const double *x = g->x[i], *uv = g->pattern.uv[i];
-        int armpit = x[0] > 0.05 && uv[1] > -0.3 && uv[1] < -0.18, shoulder = x[0] > 0.03 && uv[1] > -0.12;
+        int armpit = x[0] > 0.05 && uv[1] > -0.3 && uv[1]<-0.18, shoulder = x[0]> 0.03 && uv[1] > -0.12;
         if (piece_of(g, i)->place != EX_PLACE_FRONT) continue;
         if ((!strcmp(g->at, "armpit") && !armpit) || (!strcmp(g->at, "shoulder") && !shoulder)) continue;
         if (g->stress[i] > best) best = g->stress[i], g->center = i;
@@ -218,9 +227,61 @@ static int lay_yarns(garment *g, const yc_mesh *mesh) {
     char why[YC_MESSAGE_SIZE];
     choose(g);
     if (yc_weave(NULL, &weave, mesh, &g->yarns, why) != YC_OK) return fail("weaving", why);
-    if (yc_region_select(NULL, mesh, NULL, g->center, g->radius, g->alpha, NULL, why) != YC_OK) return fail("region", why);
+    if (yc_region_select(NULL, mesh, NULL, g->center, g->radius, g->alpha, NULL, why) != YC_OK)
+        return fail("region", why);
     g->nodes = calloc((size_t)g->yarns.node_count, sizeof *g->nodes);
     return g->nodes ? 1 : fail("weaving", "out of memory");
+}
+
+/* ---- the region's yarns as curves, hybrid ring included ---- */
+
+/* The curves of the present node positions; their arrays are made on the first call. */
+static int make_curves(garment *g) {
+    yc_curves *c = &g->curves;
+    yc_curve_desc desc = yc_curve_desc_default();
+    unsigned char *skip = calloc((size_t)g->yarns.node_count, 1);
+    char why[YC_MESSAGE_SIZE] = "out of memory";
+    int i, k, ok = skip != NULL;
+    for (i = 0; ok && i < g->yarns.node_count; i++) {
+        const int *t = g->triangles[g->yarns.triangle[i]];
+        skip[i] = !(g->alpha[t[0]] > 0.0 || g->alpha[t[1]] > 0.0 || g->alpha[t[2]] > 0.0);
+    }
+    desc.skip = skip, desc.steps = 6;
+    if (ok && !c->first) {
+        ok = yc_curves_make(NULL, &g->yarns, NULL, &desc, c, why) == YC_OK;
+        c->first = calloc((size_t)c->curve_count + 1, sizeof(int)),
+        c->yarn = calloc((size_t)c->curve_count + 1, sizeof(int));
+        c->points = calloc((size_t)c->point_count + 1, sizeof *c->points);
+        c->radius = calloc((size_t)c->curve_count + 1, sizeof(float));
+        g->points = calloc((size_t)c->point_count + 1, sizeof *g->points);
+        g->radii = calloc((size_t)c->curve_count + 1, sizeof *g->radii);
+        ok = ok && c->first && c->yarn && c->points && c->radius && g->points && g->radii;
+    }
+    ok = ok && yc_curves_make(NULL, &g->yarns, (const double(*)[3])g->nodes, &desc, c, why) == YC_OK;
+    for (i = 0; ok && i < c->point_count; i++)
+        for (k = 0; k < 3; k++) g->points[i][k] = (double)c->points[i][k];
+    for (i = 0; ok && i < c->curve_count; i++) g->radii[i] = (double)c->radius[i];
+    free(skip);
+    return ok ? 1 : fail("curves", why);
+}
+
+static void free_curves(garment *g) {
+    free(g->curves.first), free(g->curves.yarn), free(g->curves.points), free(g->curves.radius), free(g->points),
+        free(g->radii);
+}
+
+/* One frame of out/region.usda: the welded mesh, and the region's yarns. */
+static int film_region(garment *g, int frame) {
+    int ok = make_curves(g);
+    if (ok && !frame) {
+        ok = ex_usd_begin(&g->film, "out/region.usda", 30.0);
+        ok = ok &&
+            ex_usd_mesh(&g->film, g->pattern.vertex_count, (const int(*)[3])g->triangles, g->pattern.triangle_count);
+        ok = ok && ex_usd_curves(&g->film, g->curves.first, g->curves.curve_count, g->radii);
+    }
+    ok = ok && ex_usd_mesh_frame(&g->film, (const double(*)[3])g->x) &&
+        ex_usd_curves_frame(&g->film, (const double(*)[3])g->points);
+    return ok ? 1 : fail("writing", "out/region.usda");
 }
 
 static int relax(garment *g, const yc_mesh *mesh) {
@@ -240,6 +301,7 @@ static int relax(garment *g, const yc_mesh *mesh) {
         ok = yc_scene_step(scene, 1.0 / 30.0, &stats) == YC_OK;
         ok = ok && yc_scene_positions(scene, handle, YC_VERTEX, g->x) == YC_OK;
         ok = ok && yc_scene_positions(scene, handle, YC_NODE, g->nodes) == YC_OK;
+        ok = ok && film_region(g, frame);
         add_up(&sum, &stats);
         progress("relaxing, yarns and triangles", (double)(frame + 1) / frames);
     }
@@ -251,29 +313,35 @@ static int relax(garment *g, const yc_mesh *mesh) {
 
 /* ---- pictures ---- */
 
-static const double cotton_warp[3] = {0.80, 0.22, 0.20}, cotton_weft[3] = {0.93, 0.86, 0.78};
-static const double linen_warp[3] = {0.24, 0.36, 0.50}, linen_weft[3] = {0.88, 0.84, 0.74};
+/* sRGB of warp, weft, and of both seen from afar: a chambray, and a linen of two flaxes. */
+static const double cotton[3][3] = {{0.17, 0.27, 0.46}, {0.90, 0.89, 0.86}, {0.47, 0.56, 0.68}};
+static const double linen[3][3] = {{0.62, 0.50, 0.36}, {0.90, 0.85, 0.74}, {0.76, 0.68, 0.56}};
+
+static const double *color_of(const garment *g, int which) {
+    return strcmp(g->fabric, "linen") ? cotton[which] : linen[which];
+}
 
 /* Looks at the region from the front and from its side. */
 static void look_at_region(const garment *g, double distance, ex_camera *camera) {
     static const double from[3] = {0.45, 0.12, 0.885};
     int k;
     memset(camera, 0, sizeof *camera);
-    for (k = 0; k < 3; k++) camera->target[k] = g->x[g->center][k], camera->eye[k] = camera->target[k] + distance * from[k];
+    for (k = 0; k < 3; k++)
+        camera->target[k] = g->x[g->center][k], camera->eye[k] = camera->target[k] + distance * from[k];
     camera->up[1] = 1.0, camera->fov = 30.0;
 }
 
 static void draw_body(ex_scene *picture, const garment *g) {
     ex_material skin;
     ex_material_body(&skin);
-    ex_render_mesh(picture, (const double(*)[3])g->skin.positions, g->skin.vertex_count, (const int(*)[3])g->skin.triangles,
-        g->skin.triangle_count, NULL, NULL, &skin);
+    ex_render_mesh(picture, (const double(*)[3])g->skin.positions, g->skin.vertex_count,
+        (const int(*)[3])g->skin.triangles, g->skin.triangle_count, NULL, NULL, &skin);
 }
 
 /* The triangles; with `holes` without those where yarns alone act. In the hybrid ring both are drawn, as both act. */
 static void draw_cloth(ex_scene *picture, const garment *g, int holes, double wire) {
-    const double *color = strcmp(g->fabric, "linen") ? cotton_warp : linen_warp;
-    int (*kept)[3] = calloc((size_t)g->pattern.triangle_count, sizeof *kept), i, count = 0;
+    const double *color = color_of(g, 2);
+    int(*kept)[3] = calloc((size_t)g->pattern.triangle_count, sizeof *kept), i, count = 0;
     ex_material cloth;
     ex_material_cloth(&cloth, color[0], color[1], color[2]);
     cloth.wire = wire;
@@ -282,55 +350,32 @@ static void draw_cloth(ex_scene *picture, const garment *g, int holes, double wi
         if (holes && g->alpha[t[0]] >= 1.0 && g->alpha[t[1]] >= 1.0 && g->alpha[t[2]] >= 1.0) continue;
         memcpy(kept[count++], t, sizeof *kept);
     }
-    if (kept) ex_render_mesh(picture, (const double(*)[3])g->x, g->pattern.vertex_count, (const int(*)[3])kept, count, NULL, NULL, &cloth);
+    if (kept)
+        ex_render_mesh(picture, (const double(*)[3])g->x, g->pattern.vertex_count, (const int(*)[3])kept, count, NULL,
+            NULL, &cloth);
     free(kept);
 }
 
-/* The yarns of the region, hybrid ring included, as the library's curves. */
-static int make_curves(const garment *g, yc_curves *curves) {
-    yc_curve_desc desc = yc_curve_desc_default();
-    unsigned char *skip = calloc((size_t)g->yarns.node_count, 1);
-    char why[YC_MESSAGE_SIZE] = "out of memory";
-    int i, ok = skip != NULL;
-    memset(curves, 0, sizeof *curves);
-    for (i = 0; ok && i < g->yarns.node_count; i++) {
-        const int *t = g->triangles[g->yarns.triangle[i]];
-        skip[i] = !(g->alpha[t[0]] > 0.0 || g->alpha[t[1]] > 0.0 || g->alpha[t[2]] > 0.0);
-    }
-    desc.skip = skip, desc.steps = 6;
-    ok = ok && yc_curves_make(NULL, &g->yarns, (const double(*)[3])g->nodes, &desc, curves, why) == YC_OK;
-    if (ok) {
-        curves->first = calloc((size_t)curves->curve_count + 1, sizeof(int)), curves->yarn = calloc((size_t)curves->curve_count + 1, sizeof(int));
-        curves->points = calloc((size_t)curves->point_count + 1, sizeof *curves->points), curves->radius = calloc((size_t)curves->curve_count + 1, sizeof(float));
-        ok = curves->first && curves->yarn && curves->points && curves->radius &&
-            yc_curves_make(NULL, &g->yarns, (const double(*)[3])g->nodes, &desc, curves, why) == YC_OK;
-    }
-    free(skip);
-    return ok ? 1 : fail("curves", why);
-}
-
-static void free_curves(yc_curves *curves) { free(curves->first), free(curves->yarn), free(curves->points), free(curves->radius); }
-
-static int draw_yarns(ex_scene *picture, const garment *g, const yc_curves *curves) {
-    double(*points)[3] = calloc((size_t)curves->point_count + 1, sizeof *points), (*colors)[3] = calloc((size_t)curves->curve_count + 1, sizeof *colors);
-    double *radii = calloc((size_t)curves->curve_count + 1, sizeof *radii);
-    int i, k, linen = !strcmp(g->fabric, "linen"), ok = points && colors && radii;
+static int draw_yarns(ex_scene *picture, const garment *g) {
+    int i, count = g->curves.curve_count;
+    double(*colors)[3] = calloc((size_t)count + 1, sizeof *colors), *radii = calloc((size_t)count + 1, sizeof *radii);
+    int ok = colors && radii;
     ex_thread thread;
     ex_thread_cotton(&thread);
-    for (i = 0; ok && i < curves->point_count; i++)
-        for (k = 0; k < 3; k++) points[i][k] = (double)curves->points[i][k];
-    for (i = 0; ok && i < curves->curve_count; i++) {
-        int weft = g->yarns.yarn_family[curves->yarn[i]] == YC_WEFT;
-        const double *color = weft ? (linen ? linen_weft : cotton_weft) : linen ? linen_warp : cotton_warp;
-        memcpy(colors[i], color, sizeof colors[i]);
-        radii[i] = (double)curves->radius[i] * 1.35; /* drawn fuller than they act: real yarns flatten and close the weave */
+    for (i = 0; ok && i < count; i++) {
+        memcpy(colors[i], color_of(g, g->yarns.yarn_family[g->curves.yarn[i]] == YC_WEFT), sizeof colors[i]);
+        radii[i] = 1.35 * g->radii[i]; /* drawn fuller than they act: real yarns flatten and close the weave */
     }
-    if (ok) ex_render_tubes(picture, (const double(*)[3])points, curves->first, curves->curve_count, radii, (const double(*)[3])colors, &thread);
-    free(points), free(colors), free(radii);
+    if (ok)
+        ex_render_tubes(
+            picture, (const double(*)[3])g->points, g->curves.first, count, radii, (const double(*)[3])colors, &thread);
+    free(colors), free(radii);
     return ok;
 }
 
-static int save(ex_scene *picture, const char *path) { return ex_render_save(picture, path) ? 1 : fail("drawing", path); }
+static int save(ex_scene *picture, const char *path) {
+    return ex_render_save(picture, path) ? 1 : fail("drawing", path);
+}
 
 /* The region before yarns act: triangles alone. */
 static int draw_before(garment *g) {
@@ -344,23 +389,21 @@ static int draw_before(garment *g) {
 
 static int draw_after(garment *g) {
     ex_camera near, far = {{0.55, 1.28, 1.75}, {0.0, 1.1, 0.0}, {0.0, 1.0, 0.0}, 34.0};
-    yc_curves curves;
     ex_look look;
     ex_scene *picture;
-    int ok = make_curves(g, &curves);
+    int ok = 1;
     ex_look_default(&look);
     look.ao_radius = 2.0 * g->spacing, look.ao_strength = 1.6;
     look.key[0] = 0.75, look.key[1] = 0.65, look.key[2] = 0.9;
     look_at_region(g, 0.5, &near);
     picture = ex_render_begin(1000, 1000, &near, &look);
     draw_body(picture, g), draw_cloth(picture, g, 1, 0.0);
-    ok = ok && draw_yarns(picture, g, &curves);
+    ok = ok && draw_yarns(picture, g);
     ok = save(picture, "out/region_yarns.png") && ok;
     picture = ex_render_begin(1000, 1200, &far, NULL);
     draw_body(picture, g), draw_cloth(picture, g, 1, 0.0);
-    ok = ok && draw_yarns(picture, g, &curves);
+    ok = ok && draw_yarns(picture, g);
     ok = save(picture, "out/garment.png") && ok;
-    free_curves(&curves);
     return ok;
 }
 
@@ -378,8 +421,10 @@ static int read_arguments(garment *g, int argc, char **argv) {
         else if (!strncmp(a, "spacing=", 8) && number >= 0.5 && number <= 20.0) g->spacing = 1e-3 * number;
         else if (!strncmp(a, "region=", 7) && number >= 5.0 && number <= 1000.0) g->radius = 1e-3 * number;
         else {
-            fprintf(stderr, "garment: I do not understand '%s'\nusage: garment [tshirt|tanktop] [fabric=cotton|linen] "
-                "[at=armpit|shoulder|stress] [spacing=MM, 0.5 to 20] [region=MM, 5 to 1000]\n", a);
+            fprintf(stderr,
+                "garment: I do not understand '%s'\nusage: garment [tshirt|tanktop] [fabric=cotton|linen] "
+                "[at=armpit|shoulder|stress] [spacing=MM, 0.5 to 20] [region=MM, 5 to 1000]\n",
+                a);
             return 0;
         }
     }
@@ -391,16 +436,22 @@ static int load(garment *g) {
     ex_placement placement;
     size_t vertices;
     snprintf(path, sizeof path, "examples/data/%s.obj", g->name);
-    if (!ex_pattern_read(&g->pattern, path, error) || !ex_body_read(&g->body, "examples/data/mannequin.json", error)) return fail("reading", error);
+    if (!ex_pattern_read(&g->pattern, path, error) || !ex_body_read(&g->body, "examples/data/mannequin.json", error))
+        return fail("reading", error);
     vertices = (size_t)g->pattern.vertex_count;
-    g->x = calloc(vertices, sizeof *g->x), g->alpha = calloc(vertices, sizeof *g->alpha), g->stress = calloc(vertices, sizeof *g->stress);
+    g->x = calloc(vertices, sizeof *g->x), g->alpha = calloc(vertices, sizeof *g->alpha),
+    g->stress = calloc(vertices, sizeof *g->stress);
     g->triangles = calloc((size_t)g->pattern.triangle_count, sizeof *g->triangles);
-    if (!g->x || !g->alpha || !g->stress || !g->triangles || !ex_body_mesh(&g->body, 0.012, &g->skin)) return fail("reading", "out of memory");
-    return ex_place_pattern(&g->pattern, &g->body, g->x, &placement) ? 1 : fail("placing", "the body lacks arms, or memory ran out");
+    if (!g->x || !g->alpha || !g->stress || !g->triangles || !ex_body_mesh(&g->body, 0.012, &g->skin))
+        return fail("reading", "out of memory");
+    return ex_place_pattern(&g->pattern, &g->body, g->x, &placement)
+        ? 1
+        : fail("placing", "the body lacks arms, or memory ran out");
 }
 
 static void unload(garment *g) {
     yc_yarns_destroy(&g->yarns);
+    free_curves(g);
     ex_pattern_free(&g->pattern), ex_body_free(&g->body), ex_mesh_free(&g->skin);
     free(g->x), free(g->alpha), free(g->stress), free(g->triangles), free(g->nodes);
 }
@@ -413,8 +464,9 @@ int main(int argc, char **argv) {
     if (!read_arguments(&g, argc, argv)) return 2;
     ok = load(&g);
     ok = ok && (ex_usd_begin(&g.film, "out/garment.usda", 30.0) || fail("writing", "out/garment.usda"));
-    ok = ok && ex_usd_mesh(&g.film, g.pattern.vertex_count, (const int(*)[3])g.pattern.triangles, g.pattern.triangle_count);
-    ok = ok && sew(&g);
+    ok = ok &&
+        ex_usd_mesh(&g.film, g.pattern.vertex_count, (const int(*)[3])g.pattern.triangles, g.pattern.triangle_count);
+    ok = ok && sew(&g) && ex_usd_end(&g.film);
     if (ok) {
         mesh = mesh_of(&g, (const int(*)[3])g.triangles);
         ok = lay_yarns(&g, &mesh) && draw_before(&g) && relax(&g, &mesh) && draw_after(&g);
