@@ -835,6 +835,12 @@ static yc_result yci_context_init(yci_context *c, const yc_host *host) {
     return YC_OK;
 }
 
+/* Ends a public function without an object: the message goes to the caller's buffer, "" on success. */
+static yc_result yci_report(const yci_context *c, yc_result result, char *message) {
+    if (message) memcpy(message, c->message, YC_MESSAGE_SIZE);
+    return result;
+}
+
 typedef void (*yci_body)(void *arg, int begin, int end);
 
 typedef struct {
@@ -3926,18 +3932,13 @@ static yc_result yci_weave_run(yci_context *c, const yc_weave_desc *desc, const 
     return yci_weave_lay(&w, mesh != NULL, out);
 }
 
-static yc_result yci_fabric_report(const yci_context *c, yc_result result, char *message) {
-    if (message) memcpy(message, c->message, YC_MESSAGE_SIZE);
-    return result;
-}
-
 YC_API yc_result yc_weave(
     const yc_host *host, const yc_weave_desc *desc, const yc_mesh *mesh, yc_yarns *out, char *message) {
     yci_context c;
     yc_result result = yci_context_init(&c, host);
     if (result == YC_OK) result = yci_weave_run(&c, desc, mesh, out);
     if (result == YC_OK) memcpy(out->owner, &c, sizeof c);
-    return yci_fabric_report(&c, result, message);
+    return yci_report(&c, result, message);
 }
 
 /* The visits of the nodes are counted in memory of malloc: there is no host here. */
@@ -3946,7 +3947,7 @@ YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char
     yc_result result = yci_context_init(&c, NULL);
     if (!yarns) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns must not be NULL");
     if (result == YC_OK) result = yci_yarns_check(&c, yarns, mesh);
-    return yci_fabric_report(&c, result, message);
+    return yci_report(&c, result, message);
 }
 
 YC_API void yc_yarns_destroy(yc_yarns *yarns) {
@@ -7052,10 +7053,6 @@ static yc_result yci_scene_desc_check(yci_context *c, const yc_scene_desc *d) {
     return r;
 }
 
-static void yci_message_out(const yci_context *c, char *message) {
-    if (message) memcpy(message, c->message, YC_MESSAGE_SIZE);
-}
-
 YC_API yc_result yc_scene_create(const yc_host *host, const yc_scene_desc *desc, yc_scene **out, char *message) {
     yci_context c;
     yc_scene *s = NULL;
@@ -7064,8 +7061,7 @@ YC_API yc_result yc_scene_create(const yc_host *host, const yc_scene_desc *desc,
     else *out = NULL;
     if (result == YC_OK) result = yci_scene_desc_check(&c, desc);
     if (result == YC_OK && !(s = YCI_NEW(&c, yc_scene, 1))) result = yci_out_of_memory(&c, "the scene");
-    yci_message_out(&c, message);
-    if (result != YC_OK) return result;
+    if (yci_report(&c, result, message) != YC_OK) return result;
     s->c = c, s->desc = *desc, s->dt = desc->dt_max;
     *out = s;
     return YC_OK;
@@ -8558,7 +8554,7 @@ static void yci_masses(yc_scene *s) {
 static double yci_inertia(yc_scene *s, int mode) {
     yci_model *m = s->model;
     const yci_bsr *a = &m->system.a;
-    double energy = 0.0, f = 1.0 / (m->h * m->h), c = s->desc.mass_damping / m->h, dof[8], lag[8];
+    double energy = 0.0, f = 1.0 / (m->h * m->h), c = s->desc.mass_damping / m->h, dof[8] = {0.0}, lag[8] = {0.0};
     int i, r, t;
     for (i = 0; i < a->n; i++) {
         const double *block = m->system.mass + m->system.mass_at[i];
@@ -9726,7 +9722,7 @@ YC_API yc_result yc_curves_make(const yc_host *host, const yc_yarns *yarns, cons
         work.yarns = yarns, work.nodes = nodes, work.desc = desc, work.out = out;
         r = yci_curves_fill(&c, &work);
     }
-    return yci_fabric_report(&c, r, message);
+    return yci_report(&c, r, message);
 }
 
 /* ---- tubes ------------------------------------------------------------------------------------------------------- */
@@ -9883,7 +9879,7 @@ YC_API yc_result yc_tubes_make(const yc_host *host, const yc_curves *curves, int
             work.turn[j][0] = cos(2.0 * YCI_PI * j / sides), work.turn[j][1] = sin(2.0 * YCI_PI * j / sides);
         yci_parallel(&c, curves->curve_count, YCI_OUTPUT_GRAIN, yci_tube_sweep, &work);
     }
-    return yci_fabric_report(&c, r, message);
+    return yci_report(&c, r, message);
 }
 
 /* ---- finer mesh -------------------------------------------------------------------------------------------------- */
@@ -10032,7 +10028,7 @@ YC_API yc_result yc_subdivide(const yc_host *host, const double (*positions)[3],
     if (r == YC_OK) r = yci_finer_make(&c, &mesh);
     if (r == YC_OK) r = yci_finer_run(&c, &mesh, positions, out);
     yci_finer_free(&c, &mesh);
-    return yci_fabric_report(&c, r, message);
+    return yci_report(&c, r, message);
 }
 
 /* The small triangle at corner k has the points whose weight there is a half or more: with b_k its weight at k, the
@@ -10189,7 +10185,7 @@ YC_API yc_result yc_region_select(const yc_host *host, const yc_mesh *mesh, cons
     }
     yci_free(&c, g.first), yci_free(&c, g.corner), yci_free(&c, g.distance), yci_free(&c, g.heap),
         yci_free(&c, g.place);
-    return yci_fabric_report(&c, r, message);
+    return yci_report(&c, r, message);
 }
 
 #endif /* YARNCLOTH_IMPLEMENTATION */

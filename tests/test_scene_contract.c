@@ -6,7 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* ---- small parts --------------------------------------------------------------------------------------------------- */
+/* ---- small parts ---------------------------------------------------------------------------------------------- */
 
 typedef struct saved {
     char *bytes;
@@ -45,7 +45,7 @@ static scene_swatch_desc tiny(scene_kind kind) {
     return d;
 }
 
-/* ---- refusals ------------------------------------------------------------------------------------------------------ */
+/* ---- refusals ------------------------------------------------------------------------------------------------- */
 
 TEST(scene_contract_refuses_bad_settings) {
     static const struct {
@@ -57,11 +57,11 @@ TEST(scene_contract_refuses_bad_settings) {
         ROW(gravity[0], NAN, "gravity[0]|nan"), ROW(gravity[1], INFINITY, "gravity[1]|inf"),
         ROW(gravity[2], NAN, "gravity[2]"), ROW(dt_max, 0.0, "dt_max|0"), ROW(dt_max, -1.0, "dt_max|-1"),
         ROW(dt_max, NAN, "dt_max|nan"), ROW(dt_min, 0.0, "dt_min"), ROW(dt_min, 1.0, "dt_min|1"),
-        ROW(tolerance, 0.0, "tolerance|0"), ROW(tolerance, NAN, "tolerance"), ROW(linear_tolerance, 0.0, "linear_tolerance"),
-        ROW(linear_tolerance, 2.0, "linear_tolerance|2"), ROW(stiffness_damping, -0.5, "stiffness_damping|-0.5"),
-        ROW(mass_damping, -0.25, "mass_damping|-0.25"), ROW(mass_damping, NAN, "mass_damping|nan"),
-        ROW(contact_stiffness, 0.0, "contact_stiffness"), ROW(thickness, 0.0, "thickness"),
-        ROW(thickness, INFINITY, "thickness|inf"), ROW(slip_speed, 0.0, "slip_speed"),
+        ROW(tolerance, 0.0, "tolerance|0"), ROW(tolerance, NAN, "tolerance"),
+        ROW(linear_tolerance, 0.0, "linear_tolerance"), ROW(linear_tolerance, 2.0, "linear_tolerance|2"),
+        ROW(stiffness_damping, -0.5, "stiffness_damping|-0.5"), ROW(mass_damping, -0.25, "mass_damping|-0.25"),
+        ROW(mass_damping, NAN, "mass_damping|nan"), ROW(contact_stiffness, 0.0, "contact_stiffness"),
+        ROW(thickness, 0.0, "thickness"), ROW(thickness, INFINITY, "thickness|inf"), ROW(slip_speed, 0.0, "slip_speed"),
         ROW(self_friction, -1.0, "self_friction|-1"), ROW(self_friction, 11.0, "self_friction|11")
 #undef ROW
     };
@@ -81,7 +81,8 @@ TEST(scene_contract_refuses_bad_settings) {
         CHECK(memcmp(&now, &good, sizeof now) == 0);
     }
     for (i = 0; i < 6; i++) {
-        static const char *const words[] = {"cookie", "newton_limit|0", "linear_limit|-3", "solver|99", "solver|-1", "NULL"};
+        static const char *const words[] = {
+            "cookie", "newton_limit|0", "linear_limit|-3", "solver|99", "solver|-1", "NULL"};
         yc_scene_desc bad = good;
         if (i == 0) bad.cookie ^= 1u;
         if (i == 1) bad.newton_limit = 0;
@@ -89,7 +90,8 @@ TEST(scene_contract_refuses_bad_settings) {
         if (i == 3) bad.solver = (yc_solver)99;
         if (i == 4) bad.solver = (yc_solver)-1;
         refused(yc_scene_create(NULL, i == 5 ? NULL : &bad, &other, why), YC_ERROR_ARGUMENT, why, words[i], __LINE__);
-        refused(yc_scene_tune(scene, i == 5 ? NULL : &bad), YC_ERROR_ARGUMENT, yc_scene_message(scene), words[i], __LINE__);
+        refused(
+            yc_scene_tune(scene, i == 5 ? NULL : &bad), YC_ERROR_ARGUMENT, yc_scene_message(scene), words[i], __LINE__);
     }
     {
         yc_host half;
@@ -274,7 +276,8 @@ static void refuse_bodies(yc_scene *scene) {
 }
 
 static void refuse_points(yc_scene *scene) {
-    double at[3] = {0.0, NAN, 0.0}, x[200][3], still[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1}, skew[9] = {1, 1, 0, 0, 1, 0, 0, 0, 1};
+    double at[3] = {0.0, NAN, 0.0}, x[200][3], still[9] = {1, 0, 0, 0, 1, 0, 0, 0, 1},
+           skew[9] = {1, 1, 0, 0, 1, 0, 0, 0, 1};
     size_t size = 1;
     int row;
     for (row = 0; row < 21; row++) {
@@ -350,7 +353,7 @@ TEST(scene_contract_nothing_in_it) {
     scene_swatch_free(s);
 }
 
-/* ---- memory -------------------------------------------------------------------------------------------------------- */
+/* ---- memory --------------------------------------------------------------------------------------------------- */
 
 /* From now on memory is granted; the blocks alive stay counted. */
 static void grant_all(void) {
@@ -449,7 +452,7 @@ TEST(scene_contract_every_failing_allocation) {
     scene_swatch_free(p.first), scene_swatch_free(p.second);
 }
 
-/* ---- steps that fail ----------------------------------------------------------------------------------------------- */
+/* ---- steps that fail ------------------------------------------------------------------------------------------ */
 
 TEST(scene_contract_step_that_cannot_be_done) {
     yc_scene_desc good = yc_scene_desc_default(), bad;
@@ -525,7 +528,7 @@ TEST(scene_contract_cancel) {
     stage_free(s);
 }
 
-/* ---- bits ---------------------------------------------------------------------------------------------------------- */
+/* ---- bits ----------------------------------------------------------------------------------------------------- */
 
 /* A mixed swatch folded over itself, 8 mm apart, on a floor. */
 static void folded(void *user, const double uv[2], double out[3]) {
@@ -548,7 +551,7 @@ static saved run_with_workers(int workers, yc_stats *stats) {
     saved end;
     int step;
     memset(&floor, 0, sizeof floor);
-    
+
     floor.type = YC_PLANE, floor.a[1] = -4e-3, floor.b[1] = 1.0;
     body.primitive_count = 1, body.primitives = &floor;
     settings.self_contact = 1, settings.thickness = 4.2e-3, settings.slip_speed = 0.05;
@@ -634,11 +637,14 @@ TEST(scene_contract_load_refuses_what_it_did_not_save) {
         if (row == 3) bad[0] ^= 1;
         if (row == 4) memset(bad, 0xa5, state.size);
         if (row == 5) memset(bad, 0, state.size);
-        if (row == 6) memcpy(bad + state.size / 4 / sizeof nan * sizeof nan, &nan, sizeof nan); /* a position or speed */
-        if (row == 7) refused(yc_scene_load(s.scene, foreign.bytes, foreign.size), YC_ERROR_PARSE,
-            yc_scene_message(s.scene), "state", 5000 + row);
-        else refused(yc_scene_load(s.scene, row == 8 ? NULL : bad, size), YC_ERROR_PARSE, yc_scene_message(s.scene),
-            "state", 5000 + row);
+        if (row == 6)
+            memcpy(bad + state.size / 4 / sizeof nan * sizeof nan, &nan, sizeof nan); /* a position or speed */
+        if (row == 7)
+            refused(yc_scene_load(s.scene, foreign.bytes, foreign.size), YC_ERROR_PARSE, yc_scene_message(s.scene),
+                "state", 5000 + row);
+        else
+            refused(yc_scene_load(s.scene, row == 8 ? NULL : bad, size), YC_ERROR_PARSE, yc_scene_message(s.scene),
+                "state", 5000 + row);
         now = save_of(s.scene);
         CHECK(same(now, state));
         free(now.bytes);

@@ -35,7 +35,8 @@ static sewn sewn_new(double gap, double ease, double gravity) {
 
 static yc_result sew(sewn *s, double close_time) {
     yc_seam_desc seam = yc_seam_desc_default();
-    seam.cloth[1] = 1, seam.count = 6, seam.a = s->a, seam.b = s->b, seam.close_time = close_time, seam.stiffness = 20.0;
+    seam.cloth[1] = 1, seam.count = 6, seam.a = s->a, seam.b = s->b, seam.close_time = close_time,
+    seam.stiffness = 20.0;
     return yc_scene_add_seam(s->scene, &seam, NULL);
 }
 
@@ -53,7 +54,8 @@ static void check_sewn(double ease) {
     CHECK_RESULT(sew(&s, 0.2), YC_OK);
     CHECK_RESULT(yc_scene_momentum(s.scene, &mass_before, NULL, NULL), YC_OK);
     for (i = 0; i < 75; i++) {
-        settings.tolerance = 1e-9; /* forces are read at the end: 1e-5 m of a cloth of 1e4 N/m is more than its weight */
+        settings.tolerance =
+            1e-9; /* forces are read at the end: 1e-5 m of a cloth of 1e4 N/m is more than its weight */
         if (ease > 1.0 && welded_at >= 0 && i > welded_at + 5) break;
         if (ease == 1.0 && i == 70) CHECK_RESULT(yc_scene_tune(s.scene, &settings), YC_OK);
         if (!CHECK_RESULT(yc_scene_step(s.scene, 0.02, &stats), YC_OK)) break;
@@ -156,7 +158,8 @@ static void check_rod(int all_yarns) {
             rod = i;
         }
     if (CHECK(rod >= 0)) {
-        for (k = yarns.yarn_first[rod]; k < yarns.yarn_first[rod + 1]; k++) { /* each visit of the rod ties a weft's end */
+        for (k = yarns.yarn_first[rod]; k < yarns.yarn_first[rod + 1];
+             k++) { /* each visit of the rod ties a weft's end */
             int node = yarns.visit_node[k], j, others = 0;
             for (i = 0; i < yarns.yarn_count; i++)
                 for (j = yarns.yarn_first[i]; i != rod && j < yarns.yarn_first[i + 1]; j++)
@@ -190,7 +193,8 @@ static void check_rod(int all_yarns) {
     for (i = 0; i < yarns.yarn_count; i++) /* no tie has opened: no segment is longer than it should be */
         for (k = yarns.yarn_first[i]; k + 1 < yarns.yarn_first[i + 1]; k++) {
             const double *a = x[yarns.visit_node[k]], *b = x[yarns.visit_node[k + 1]];
-            double d = sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+            double d =
+                sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
             longest = fmax(longest, d / (yarns.visit_u[k + 1] - yarns.visit_u[k]));
         }
     CHECK(longest < 1.1);

@@ -6,7 +6,8 @@
 #include <string.h>
 
 /* One step of the swing (MIX Fig. 2) after a few that have brought it into motion; positions of all yarn nodes. */
-static double (*swing_step(yc_solver solver, double dt, double stretch, double linear_tolerance, yc_stats *stats, int *count))[3] {
+static double (
+    *swing_step(yc_solver solver, double dt, double stretch, double linear_tolerance, yc_stats *stats, int *count))[3] {
     scene_swatch *s = scene_swing(SCENE_MIXED, 5);
     yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
     yc_scene *scene = NULL;

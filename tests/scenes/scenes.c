@@ -123,7 +123,7 @@ yc_result scene_swatch_pin(
     return yc_scene_pin(scene, cloth, s->vertex_count ? YC_VERTEX : YC_NODE, scene_swatch_nearest(s, u, v), position);
 }
 
-/* ---- a single yarn ------------------------------------------------------------------------------------------------- */
+/* ---- a single yarn -------------------------------------------------------------------------------------------- */
 
 scene_chain *scene_chain_new(
     int pieces, double length, const double from[3], const double to[3], const yc_yarn_material *material) {
@@ -165,7 +165,7 @@ void scene_chain_free(scene_chain *s) {
     free(s->yarns.visit_held), free(s);
 }
 
-/* ---- the papers' scenes -------------------------------------------------------------------------------------------- */
+/* ---- the papers' scenes --------------------------------------------------------------------------------------- */
 
 scene_swatch *scene_swing(scene_kind kind, int cells) {
     scene_swatch_desc d = scene_swatch_desc_default(kind);

@@ -38,8 +38,8 @@ typedef struct scene_swatch {
     scene_swatch_desc desc;
     yc_cloth_desc cloth; /* ready for yc_scene_add_cloth; a caller may change it before that */
     yc_weave_desc weave;
-    yc_yarns yarns;      /* none for SCENE_TRIANGLES */
-    int vertex_count;    /* (cells[0] + 1) (cells[1] + 1), u first; 0 for SCENE_YARNS_ALONE */
+    yc_yarns yarns;   /* none for SCENE_TRIANGLES */
+    int vertex_count; /* (cells[0] + 1) (cells[1] + 1), u first; 0 for SCENE_YARNS_ALONE */
     double (*positions)[3], (*uv)[2];
     int (*triangles)[3];
     double *alpha;
@@ -51,8 +51,7 @@ scene_swatch *scene_swatch_new(const scene_swatch_desc *desc);
 void scene_swatch_free(scene_swatch *swatch);
 
 /* Moves every vertex and yarn node to where `place` puts its pattern coordinates. */
-void scene_swatch_place(
-    scene_swatch *swatch, void (*place)(void *user, const double uv[2], double out[3]), void *user);
+void scene_swatch_place(scene_swatch *swatch, void (*place)(void *user, const double uv[2], double out[3]), void *user);
 
 /* What the swatch's mechanics moves best: yarn nodes where there are yarns, vertices elsewhere. */
 yc_point scene_swatch_kind(const scene_swatch *swatch);
@@ -78,7 +77,7 @@ scene_chain *scene_chain_new(
     int pieces, double length, const double from[3], const double to[3], const yc_yarn_material *material);
 void scene_chain_free(scene_chain *chain);
 
-/* ---- the papers' scenes -------------------------------------------------------------------------------------------- */
+/* ---- the papers' scenes --------------------------------------------------------------------------------------- */
 
 /* MIX Fig. 2: a swatch held along one edge swings down; soft yarns (k_s = 1e7 Pa times pi R^2), 0.1 ms. `cells` sets
  * the size: cells x cells pairs of triangles with 10 x 10 crossings each. The kind is as the caller wants it. */
