@@ -378,8 +378,9 @@ typedef struct yc_scene_desc {
     double gravity[3]; /* m/s^2; default 0, -9.81, 0 */
     double dt_max;     /* s, longest sub-step; > 0; preview 1/60, default 5e-3, reference 1e-3 */
     double dt_min;     /* s, shortest before a step is given up; (0, dt_max]; default 1e-6 */
-    /* m: Newton stops when its largest correction is below, or below a tenth of slip_speed * h where there is contact.
-     * A step of h thus accepts a speed error of tolerance / h. > 0; preview 1e-4, default 1e-5, reference 1e-8. */
+    /* m: Newton stops when its largest correction is below; with contact, below half of slip_speed * h, but not below a
+     * twentieth of this. A step of h thus accepts a speed error of tolerance / h. > 0; preview 1e-4, default 1e-5,
+     * reference 1e-8. */
     double tolerance;
     int newton_limit; /* Newton iterations of a sub-step; >= 1; preview 8, else 40 */
     /* what happens when they do not suffice. 0: the sub-step is halved. Nonzero: the last iterate, the lowest in
@@ -3974,7 +3975,7 @@ YC_API void yc_yarns_destroy(yc_yarns *yarns) {
  *   floor        k d b(du/d), b(t) = -(t - 1)^2 log t below 1, 0 above (C2, convex, without bound at 0): no segment
  *                vanishes between two steps. It acts far below any touching distance. Projected is exact.
  *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where
- *                it slips, the parabola that touches from above: with the exact zero Newton overshoots the kink forever.
+ *                it slips, the parabola that touches from above: with the exact zero Newton would overshoot forever.
  *
  * The energies of an angle f(phi) share one Hessian. With unit edges a, b of lengths l1, l2, in-plane normals n1 (of a,
  * towards b) and n2 (of b, towards a) and the binormal m, grad phi = (-n1/l1, -n2/l2) and
@@ -8803,8 +8804,10 @@ static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
     yc_result result;
     double tolerance = s->desc.tolerance;
     int iteration, i, size = yci_system_size(&m->system);
-    /* Friction has a scale of its own: the slip over one step at which the brake becomes a slip. */
-    if (m->touch_count || m->pairs.count) tolerance = yci_min(tolerance, 0.1 * s->desc.slip_speed * m->h);
+    /* Friction has a scale of its own: the slip over one step at which the brake lets go. The floor keeps a halved
+     * sub-step from being asked for more than the one that failed. */
+    if (m->touch_count || m->pairs.count)
+        tolerance = yci_clamp(0.5 * s->desc.slip_speed * m->h, 0.05 * tolerance, tolerance);
     for (iteration = 0; iteration < s->desc.newton_limit; iteration++) {
         double scale, energy, clock = yci_seconds();
         if (iteration && m->searched && yci_pairs_drift(s->nodes, m->searched, s->x) > 0.25 * m->margin) {

@@ -112,7 +112,8 @@ static void slope(double angle, double friction, double *crept, double *accelera
     yc_primitive p;
     yc_body_desc body = yc_body_desc_default();
     yc_scene *scene = NULL;
-    double mass = 1.0, before[3] = {0.0, 0.0, 0.0}, after[3] = {0.0, 0.0, 0.0}, x[36][3], start[36][3];
+    double mass = 1.0, before[3] = {0.0, 0.0, 0.0}, after[3] = {0.0, 0.0, 0.0}, x[36][3] = {{0.0}},
+           start[36][3] = {{0.0}};
     int i;
     settings.gravity[0] = 9.81 * sin(angle), settings.gravity[1] = -9.81 * cos(angle);
     memset(&p, 0, sizeof p);
@@ -208,7 +209,7 @@ static void check_heap(void (*place)(void *user, const double uv[2], double out[
     yc_body_desc body = yc_body_desc_default();
     yc_scene *scene = NULL;
     yc_stats stats;
-    double x[400][3], v[400][3], lowest = HUGE_VAL, fastest = 0.0;
+    double x[400][3] = {{0.0}}, v[400][3] = {{0.0}}, lowest = HUGE_VAL, fastest = 0.0;
     int i, pairs = 0;
     d.cells[0] = 12, d.cells[1] = 16, d.size[0] = 0.1, d.size[1] = 0.12;
     s = scene_swatch_new(&d);

@@ -283,7 +283,7 @@ TEST(scene_physics_energy_never_grows) {
 /* The period of a mass at the end of one long segment, by the times between its downward crossings of the vertical. */
 static double pendulum_period(double h, double length, double amplitude) {
     yc_yarn_material material = yc_yarn_material_default();
-    double from[3] = {0.0, 0.0, 0.0}, to[3], crossing[8];
+    double from[3] = {0.0, 0.0, 0.0}, to[3], crossing[8] = {0.0};
     scene_chain *chain;
     yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
     yc_scene *scene;
@@ -294,7 +294,7 @@ static double pendulum_period(double h, double length, double amplitude) {
     settings.tolerance = 1e-14, settings.dt_max = 1.0;
     scene = scene_of(&settings, &chain->cloth);
     if (scene) {
-        double x[2][3], before = to[0];
+        double x[2][3] = {{0.0}}, before = to[0];
         CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, 0, NULL), YC_OK);
         for (step = 1; found < 3 && step < 20000; step++) {
             if (!CHECK_RESULT(yc_scene_step(scene, h, NULL), YC_OK)) break;
@@ -464,7 +464,7 @@ static double strip_cantilever(int cells, double k, double *reach) {
 }
 
 TEST(scene_physics_cantilever_yarn) {
-    double reach, exact_reach, drop, exact = elastica_drop(10.0, &exact_reach);
+    double reach = 0.0, exact_reach = 0.0, drop, exact = elastica_drop(10.0, &exact_reach);
     drop = yarn_cantilever(40, 0.05, &reach);
     CHECK_NEAR(drop, 0.05 / 8.0, 0.005 * 0.05 / 8.0); /* w = q L^4 / (8 EI) */
     drop = yarn_cantilever(40, 10.0, &reach);
@@ -473,7 +473,7 @@ TEST(scene_physics_cantilever_yarn) {
 }
 
 TEST(scene_physics_cantilever_strip) {
-    double reach, exact_reach, drop, exact = elastica_drop(10.0, &exact_reach);
+    double reach = 0.0, exact_reach = 0.0, drop, exact = elastica_drop(10.0, &exact_reach);
     drop = strip_cantilever(40, 0.05, &reach);
     CHECK_NEAR(drop, 0.05 / 8.0, 0.015 * 0.05 / 8.0);
     drop = strip_cantilever(40, 10.0, &reach);

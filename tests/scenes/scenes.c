@@ -81,7 +81,7 @@ scene_swatch *scene_swatch_new(const scene_swatch_desc *desc) {
     scene_swatch_place(s, place_flat, &s->desc);
     if (desc->kind != SCENE_TRIANGLES) {
         if (yc_weave(NULL, &s->weave, s->vertex_count ? mesh : NULL, &s->yarns, s->message) != YC_OK) goto failed;
-        s->nodes = (double(*)[3])calloc((size_t)s->yarns.node_count, sizeof *s->nodes);
+        s->nodes = (double(*)[3])calloc((size_t)s->yarns.node_count + 1, sizeof *s->nodes);
         if (!s->nodes) goto failed;
         scene_swatch_place(s, place_flat, &s->desc);
         s->cloth.yarns = &s->yarns;
