@@ -407,6 +407,21 @@ static int draw_after(garment *g) {
     return ok;
 }
 
+/* How near the garment comes to the body's skin: negative would be inside. */
+static void report_skin(const garment *g) {
+    double vertex = HUGE_VAL, center = HUGE_VAL, node = HUGE_VAL;
+    int i, k;
+    for (i = 0; i < g->pattern.triangle_count; i++) {
+        double middle[3] = {0.0, 0.0, 0.0};
+        for (k = 0; k < 9; k++) middle[k % 3] += g->x[g->triangles[i][k / 3]][k % 3] / 3.0;
+        center = fmin(center, ex_body_distance(&g->body, middle));
+        for (k = 0; k < 3; k++) vertex = fmin(vertex, ex_body_distance(&g->body, g->x[g->triangles[i][k]]));
+    }
+    for (i = 0; i < g->yarns.node_count; i++) node = fmin(node, ex_body_distance(&g->body, g->nodes[i]));
+    printf("\nNearest to the skin, mm: vertices %.2f, triangle centres %.2f, yarn nodes %.2f (dummies included)\n",
+        1e3 * vertex, 1e3 * center, 1e3 * node);
+}
+
 /* ---- main ---- */
 
 static int read_arguments(garment *g, int argc, char **argv) {
@@ -470,6 +485,7 @@ int main(int argc, char **argv) {
     if (ok) {
         mesh = mesh_of(&g, (const int(*)[3])g.triangles);
         ok = lay_yarns(&g, &mesh) && draw_before(&g) && relax(&g, &mesh) && draw_after(&g);
+        if (ok) report_skin(&g);
     }
     ok = ok && ex_usd_end(&g.film);
     unload(&g);

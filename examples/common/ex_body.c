@@ -228,6 +228,53 @@ static void read_cones(parser *p, ex_body *body, const json *array) {
     }
 }
 
+/* Weights of sections i - 1 .. i + 2 for a height between i and i + 1: a cubic through i and i + 1 whose slopes there
+ * are those of the lines through their neighbours, so that the body shows no edges at the sections. */
+static void loft_weights(const ex_section *s, int last, int i, double y, double weight[4]) {
+    int before = i > 0 ? i - 1 : 0, after = i + 2 > last ? last : i + 2;
+    double h = s[i + 1].y - s[i].y, t = (y - s[i].y) / h;
+    double m0 = t * (1.0 - t) * (1.0 - t) * h / (s[i + 1].y - s[before].y),
+           m1 = t * t * (t - 1.0) * h / (s[after].y - s[i].y);
+    double rise = t * t * (3.0 - 2.0 * t);
+    weight[0] = -m0;
+    weight[1] = 1.0 - rise - m1;
+    weight[2] = rise + m0;
+    weight[3] = m1;
+}
+
+/* The section at a height between sections i and i + 1. */
+static ex_section loft_section(const ex_section *s, int last, int i, double y) {
+    ex_section at;
+    double weight[4];
+    int k;
+    loft_weights(s, last, i, y, weight);
+    memset(&at, 0, sizeof at);
+    at.y = y;
+    for (k = 0; k < 4; k++) {
+        const ex_section *near = s + (i + k - 1 < 0 ? 0 : i + k - 1 > last ? last : i + k - 1);
+        at.half_width += weight[k] * near->half_width;
+        at.half_depth += weight[k] * near->half_depth;
+        at.centre_z += weight[k] * near->centre_z;
+    }
+    return at;
+}
+
+/* Puts `count` sections in the place of each interval: who joins them by straight lines then sees the same body. */
+static int refine_sections(ex_body *body, int count) {
+    int last = body->section_count - 1, i, k;
+    ex_section *fine = calloc((size_t)(last * count + 1), sizeof *fine);
+    if (!fine) return 0;
+    for (i = 0; i < last; i++)
+        for (k = 0; k < count; k++) {
+            const ex_section *s = body->sections + i;
+            fine[i * count + k] = loft_section(body->sections, last, i, s->y + (s[1].y - s->y) * k / count);
+        }
+    fine[last * count] = body->sections[last];
+    free(body->sections);
+    body->sections = fine, body->section_count = last * count + 1;
+    return 1;
+}
+
 int ex_body_read(ex_body *body, const char *path, char error[EX_ERROR_SIZE]) {
     parser p;
     json *root = NULL;
@@ -251,6 +298,7 @@ int ex_body_read(ex_body *body, const char *path, char error[EX_ERROR_SIZE]) {
         read_cones(&p, body, json_get(&p, root, "rounded_cones", JSON_ARRAY));
         if (!error[0] && (body->exponent <= 1.0 || body->blend <= 0.0))
             json_fail(&p, loft->line, "exponent must be above 1 and smooth_union_k above 0", "");
+        if (!error[0] && !refine_sections(body, 6)) json_fail(&p, loft->line, "out of memory", "");
     }
     json_free(root);
     free(text);
@@ -273,43 +321,23 @@ const ex_cone *ex_body_cone(const ex_body *body, const char *name) {
 
 /* ---- Distance ---------------------------------------------------------------------------------------------------- */
 
-/* Weights of sections i - 1 .. i + 2 for a height between i and i + 1: a cubic through i and i + 1 whose slopes there
- * are those of the lines through their neighbours, so that the body shows no edges at the sections. */
-static void loft_weights(const ex_section *s, int last, int i, double y, double weight[4]) {
-    int before = i > 0 ? i - 1 : 0, after = i + 2 > last ? last : i + 2;
-    double h = s[i + 1].y - s[i].y, t = (y - s[i].y) / h;
-    double m0 = t * (1.0 - t) * (1.0 - t) * h / (s[i + 1].y - s[before].y),
-           m1 = t * t * (t - 1.0) * h / (s[after].y - s[i].y);
-    double rise = t * t * (3.0 - 2.0 * t);
-    weight[0] = -m0;
-    weight[1] = 1.0 - rise - m1;
-    weight[2] = rise + m0;
-    weight[3] = m1;
-}
-
 /* f = ((x/a)^n + (z/b)^n)^(1/n) is 1 on a section's outline, so (f - 1) / |grad f| is the distance to first order. */
 static double loft_distance(const ex_body *body, const double p[3]) {
     const ex_section *s = body->sections;
-    int last = body->section_count - 1, i = 0, k;
-    double y = p[1], weight[4], a = 0.0, b = 0.0, centre = 0.0, u, v, n = body->exponent, sum, f, gx, gz, grad, side,
-           beyond;
+    int last = body->section_count - 1, i = 0;
+    ex_section at;
+    double y = p[1], u, v, n = body->exponent, sum, f, gx, gz, grad, side, beyond;
     y = y < s[0].y ? s[0].y : y > s[last].y ? s[last].y : y;
     while (i + 1 < last && y > s[i + 1].y) i++;
-    loft_weights(s, last, i, y, weight);
-    for (k = 0; k < 4; k++) {
-        const ex_section *near = s + (i + k - 1 < 0 ? 0 : i + k - 1 > last ? last : i + k - 1);
-        a += weight[k] * near->half_width;
-        b += weight[k] * near->half_depth;
-        centre += weight[k] * near->centre_z;
-    }
-    u = fabs(p[0]) / a;
-    v = fabs(p[2] - centre) / b;
+    at = loft_section(s, last, i, y);
+    u = fabs(p[0]) / at.half_width;
+    v = fabs(p[2] - at.centre_z) / at.half_depth;
     u = u + v < 1e-9 ? 1e-9 : u;
     gx = pow(u, n - 1.0);
     gz = pow(v, n - 1.0);
     sum = u * gx + v * gz;
     f = pow(sum, 1.0 / n);
-    grad = f / sum * sqrt(gx * gx / (a * a) + gz * gz / (b * b));
+    grad = f / sum * sqrt(gx * gx / (at.half_width * at.half_width) + gz * gz / (at.half_depth * at.half_depth));
     side = (f - 1.0) / grad;
     beyond = p[1] < s[0].y ? s[0].y - p[1] : p[1] > s[last].y ? p[1] - s[last].y : 0.0;
     if (beyond <= 0.0) /* inside, the flat ends count as well: without them the distance would jump there */
