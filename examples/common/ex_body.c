@@ -262,7 +262,7 @@ static ex_section loft_section(const ex_section *s, int last, int i, double y) {
 /* Puts `count` sections in the place of each interval: who joins them by straight lines then sees the same body. */
 static int refine_sections(ex_body *body, int count) {
     int last = body->section_count - 1, i, k;
-    ex_section *fine = calloc((size_t)(last * count + 1), sizeof *fine);
+    ex_section *fine = calloc((size_t)last * (size_t)count + 1, sizeof *fine);
     if (!fine) return 0;
     for (i = 0; i < last; i++)
         for (k = 0; k < count; k++) {
