@@ -938,7 +938,7 @@ YC_FN double yci_angle_difference(double a, double b) {
  *             (3x3 positions, 5x5 nodes with sliding coordinates, 6x6 pairs of the mixing constraint).
  *   columns   y -= A x and y -= A'x on column-major arrays, and one 4x4 tile C -= A B on packed operands. LU, the
  *             sparse factorisation and all solves stand on these three; they are what to tune for a machine.
- *   LU        P A = L U by panels of YCI_PANEL columns: a panel is factored column by column looking left, the columns
+ *   LU        P A = L U by panels of YCI_LU_PANEL columns: a panel is factored column by column looking left, the columns
  *             to its right are then updated four at a time by tiles (Golub and Van Loan, Matrix Computations, 3.4).
  *
  * Packed operands: rows in groups of four, packed[(row / 4) * 4 * k + 4 * step + row % 4] for k steps, so that the tile
@@ -948,7 +948,7 @@ YC_FN double yci_angle_difference(double a, double b) {
  * ===================================================================================================================== */
 
 #define YCI_BLOCK_MAX 8                          /* rows of the largest node block */
-#define YCI_PANEL 32                             /* columns of a panel of LU and of the sparse factorisation */
+#define YCI_LU_PANEL 32                          /* columns of a panel of LU */
 #define YCI_PIVOT_TOLERANCE (64.0 * DBL_EPSILON) /* a pivot this small against what it came from is rounding error */
 
 /* y -= A x and y -= A'x for a row-major block of m x n. The 3x3 case is most of the calls. */
@@ -1106,6 +1106,411 @@ YC_FN double yci_block_invert(int n, const double *a, const double *reference, d
     return smallest;
 }
 
+/* ------------------------------------------------------------------------------------------------------ kernels --- */
+
+/* What the sparse factorisation, its solves and LU spend their time in. Matrices are by columns, entry (i, j) at
+ * x[j * ld + i]. Kernels take rows by whole vectors: they may read up to YCI_OVERREAD numbers behind an operand, whose
+ * values do not matter, and write nothing but what they were asked for. */
+#define YCI_PANEL 8    /* columns that are factored together */
+#define YCI_OVERREAD 8 /* numbers behind every array that a kernel reads */
+#define YCI_RIGHT 4    /* right-hand sides that are solved together */
+
+typedef struct yci_kernels {
+    const char *name;
+
+    /* C -= A B' (add), or C = -A B': C is m x n, A is m x k, B is n x k. */
+    void (*product)(
+        int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc, int add);
+
+    /* C := (C - A B') inverse(G'), C being m x n with n <= YCI_PANEL. G is lower triangular, its entry (i, j) below the
+     * diagonal at g[YCI_PANEL * j + i]; inverse[j] is one over its diagonal entry j. */
+    void (*strips)(int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, const double *g,
+        const double *inverse, double *c, size_t ldc);
+
+    /* column[8 c + bit] += source[at], source[at + 1], ... for the bits that are set in chunk c, at << 8 | bits. */
+    void (*expand)(int count, const int *chunk, const double *source, double *column);
+
+    /* Z -= A T and T -= A' Z: A is m x n with n <= YCI_PANEL, Z is m x count with count <= YCI_RIGHT, T is n x count
+     * with leading dimension YCI_PANEL. Z has room for YCI_OVERREAD more rows, which `below` overwrites and in which
+     * `above` must find zeros. */
+    void (*below)(int m, int n, const double *a, size_t lda, const double *t, double *z, size_t ldz, int count);
+    void (*above)(int m, int n, const double *a, size_t lda, double *t, const double *z, size_t ldz, int count);
+} yci_kernels;
+
+/* The kernels are written once, on vectors, and compiled once per instruction set: for two of x86-64, which are used
+ * where the processor has them whatever the compiler was told, and for what the compiler was told. To that end the file
+ * includes itself: define YC_SELF as its name where that is not yarncloth.h. YC_NO_SIMD leaves plain C alone. */
+#if defined(__GNUC__) && !defined(YC_NO_SIMD) && !defined(__CUDACC__)
+#define YCI_GNU
+#ifdef __clang__
+#define YCI_UNROLL _Pragma("clang loop unroll(full)")
+#else
+#define YCI_UNROLL _Pragma("GCC unroll 8")
+#endif
+#define YCI_INLINE static inline __attribute__((always_inline))
+#else
+#define YCI_UNROLL
+#define YCI_INLINE static inline
+#endif
+
+#if defined(YCI_GNU) && defined(__x86_64__)
+#define YCI_X86
+#include <immintrin.h>
+#ifndef YC_SELF
+#define YC_SELF "yarncloth.h"
+#endif
+#define YCI_ISA 512
+#include YC_SELF
+#undef YCI_ISA
+#define YCI_ISA 256
+#include YC_SELF
+#undef YCI_ISA
+#endif
+#define YCI_ISA 0
+#endif /* of what is read once */
+
+#ifdef YCI_ISA /* ---- read once per instruction set, until the line that says so ---- */
+
+/* V: V_W doubles. A tile of V_TILE_V vectors by V_TILE_N columns stays in registers beside its operands; so does a
+ * strip of V_STRIP_V vectors by YCI_PANEL columns. V_STORE_PART stores the first n numbers, 1 <= n <= V_W. */
+#if YCI_ISA == 512
+#define YCI_(name) name##_avx512
+#define YCI_TARGET __attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma")))
+#define V __m512d
+#define V_W 8
+#define V_TILE_V 3
+#define V_TILE_N 8
+#define V_STRIP_V 3
+#define V_SET(x) _mm512_set1_pd(x)
+#define V_LOAD(p) _mm512_loadu_pd(p)
+#define V_STORE(p, x) _mm512_storeu_pd(p, x)
+#define V_STORE_PART(p, x, n) _mm512_mask_storeu_pd(p, (__mmask8)((1u << (n)) - 1u), x)
+#define V_ADD(a, b) _mm512_add_pd(a, b)
+#define V_SUB(a, b) _mm512_sub_pd(a, b)
+#define V_MUL(a, b) _mm512_mul_pd(a, b)
+#define V_FMA(a, b, c) _mm512_fmadd_pd(a, b, c)
+#define V_FNMA(a, b, c) _mm512_fnmadd_pd(a, b, c)
+#define V_EXPAND(p, bits) _mm512_maskz_expand_pd((__mmask8)(bits), _mm512_loadu_pd(p))
+#elif YCI_ISA == 256
+#define YCI_(name) name##_avx2
+#define YCI_TARGET __attribute__((target("avx2,fma")))
+#define V __m256d
+#define V_W 4
+#define V_TILE_V 3
+#define V_TILE_N 4
+#define V_STRIP_V 1
+#define V_SET(x) _mm256_set1_pd(x)
+#define V_LOAD(p) _mm256_loadu_pd(p)
+#define V_STORE(p, x) _mm256_storeu_pd(p, x)
+#define V_STORE_PART(p, x, n) _mm256_maskstore_pd(p, yci_first_lanes_avx2(n), x)
+#define V_ADD(a, b) _mm256_add_pd(a, b)
+#define V_SUB(a, b) _mm256_sub_pd(a, b)
+#define V_MUL(a, b) _mm256_mul_pd(a, b)
+#define V_FMA(a, b, c) _mm256_fmadd_pd(a, b, c)
+#define V_FNMA(a, b, c) _mm256_fnmadd_pd(a, b, c)
+YCI_TARGET static inline __m256i yci_first_lanes_avx2(int n) {
+    return _mm256_cmpgt_epi64(_mm256_set1_epi64x(n), _mm256_setr_epi64x(0, 1, 2, 3));
+}
+#else
+#define YCI_(name) name##_plain
+#define YCI_TARGET
+#define V_TILE_V 3
+#define V_TILE_N 4
+#define V_STRIP_V 1
+#define V_ADD(a, b) ((a) + (b))
+#define V_SUB(a, b) ((a) - (b))
+#define V_MUL(a, b) ((a) * (b))
+#define V_FMA(a, b, c) ((c) + (a) * (b))
+#define V_FNMA(a, b, c) ((c) - (a) * (b))
+#ifdef YCI_GNU
+#define V yci_two
+#define V_W 2
+typedef double yci_two __attribute__((vector_size(16)));
+typedef double yci_unaligned_two __attribute__((vector_size(16), aligned(8), may_alias));
+static inline yci_two yci_two_set(double x) {
+    yci_two v = {x, x};
+    return v;
+}
+static inline void yci_two_store_part(double *p, yci_two x, int n) {
+    p[0] = x[0];
+    if (n > 1) p[1] = x[1];
+}
+#define V_SET(x) yci_two_set(x)
+#define V_LOAD(p) (*(const yci_unaligned_two *)(p))
+#define V_STORE(p, x) (*(yci_unaligned_two *)(p) = (x))
+#define V_STORE_PART(p, x, n) yci_two_store_part(p, x, n)
+#else
+#define V double
+#define V_W 1
+#define V_SET(x) (x)
+#define V_LOAD(p) (*(p))
+#define V_STORE(p, x) (*(p) = (x))
+#define V_STORE_PART(p, x, n) ((void)(n), *(p) = (x))
+#endif
+#endif
+
+/* One tile of C: n <= columns of them exist; the last of its vectors has `last` rows. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile)(int vectors, int last, int columns, int n, int k, const double *a, size_t lda,
+    const double *b, size_t ldb, double *c, size_t ldc, int add) {
+    V s[V_TILE_N][V_TILE_V];
+    int i, j;
+    YCI_UNROLL
+    for (j = 0; j < columns; j++) YCI_UNROLL
+    for (i = 0; i < vectors; i++) s[j][i] = V_SET(0.0);
+    for (; k > 0; k--, a += lda, b += ldb) {
+        V x[V_TILE_V];
+        YCI_UNROLL
+        for (i = 0; i < vectors; i++) x[i] = V_LOAD(a + V_W * i);
+        YCI_UNROLL
+        for (j = 0; j < columns; j++) {
+            V y = V_SET(b[j]);
+            YCI_UNROLL
+            for (i = 0; i < vectors; i++) s[j][i] = V_FNMA(x[i], y, s[j][i]);
+        }
+    }
+    YCI_UNROLL
+    for (j = 0; j < columns; j++) {
+        if (j >= n) return;
+        YCI_UNROLL
+        for (i = 0; i < vectors; i++) {
+            double *to = c + (size_t)j * ldc + V_W * i;
+            if (add) s[j][i] = V_ADD(V_LOAD(to), s[j][i]);
+            if (i + 1 < vectors) V_STORE(to, s[j][i]);
+            else V_STORE_PART(to, s[j][i], last);
+        }
+    }
+}
+
+YCI_TARGET static void YCI_(yci_product)(
+    int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc, int add) {
+    int i, j;
+    for (i = 0; i < m; i += V_TILE_V * V_W)
+        for (j = 0; j < n; j += V_TILE_N) {
+            int vectors = (m - i + V_W - 1) / V_W, columns = n - j, last = m - i - V_W * (vectors - 1);
+            const double *x = a + i, *y = b + j;
+            double *to = c + (size_t)j * ldc + i;
+            if (vectors > V_TILE_V) vectors = V_TILE_V, last = V_W;
+            if (columns <= V_TILE_N / 2) {
+                if (vectors == 1) YCI_(yci_tile)(1, last, V_TILE_N / 2, columns, k, x, lda, y, ldb, to, ldc, add);
+                else if (vectors == 2) YCI_(yci_tile)(2, last, V_TILE_N / 2, columns, k, x, lda, y, ldb, to, ldc, add);
+                else YCI_(yci_tile)(V_TILE_V, last, V_TILE_N / 2, columns, k, x, lda, y, ldb, to, ldc, add);
+            } else if (vectors == 1) YCI_(yci_tile)(1, last, V_TILE_N, columns, k, x, lda, y, ldb, to, ldc, add);
+            else if (vectors == 2) YCI_(yci_tile)(2, last, V_TILE_N, columns, k, x, lda, y, ldb, to, ldc, add);
+            else YCI_(yci_tile)(V_TILE_V, last, V_TILE_N, columns, k, x, lda, y, ldb, to, ldc, add);
+        }
+}
+
+/* A strip is a tile of a panel's columns with the triangular solve done before anything is stored. */
+YCI_TARGET YCI_INLINE void YCI_(yci_strip)(int vectors, int last, int columns, int n, int k, const double *a,
+    size_t lda, const double *b, size_t ldb, const double *g, const double *inverse, double *c, size_t ldc) {
+    V s[YCI_PANEL][V_STRIP_V];
+    int i, j, q;
+    YCI_UNROLL
+    for (j = 0; j < columns; j++) YCI_UNROLL
+    for (i = 0; i < vectors; i++) s[j][i] = V_LOAD(c + (size_t)(j < n ? j : 0) * ldc + V_W * i);
+    for (; k > 0; k--, a += lda, b += ldb) {
+        V x[V_STRIP_V];
+        YCI_UNROLL
+        for (i = 0; i < vectors; i++) x[i] = V_LOAD(a + V_W * i);
+        YCI_UNROLL
+        for (j = 0; j < columns; j++) {
+            V y = V_SET(b[j]);
+            YCI_UNROLL
+            for (i = 0; i < vectors; i++) s[j][i] = V_FNMA(x[i], y, s[j][i]);
+        }
+    }
+    YCI_UNROLL
+    for (j = 0; j < columns; j++) {
+        if (j >= n) return;
+        YCI_UNROLL
+        for (i = 0; i < vectors; i++) {
+            double *to = c + (size_t)j * ldc + V_W * i;
+            s[j][i] = V_MUL(s[j][i], V_SET(inverse[j]));
+            if (i + 1 < vectors) V_STORE(to, s[j][i]);
+            else V_STORE_PART(to, s[j][i], last);
+        }
+        YCI_UNROLL
+        for (q = j + 1; q < columns; q++) YCI_UNROLL
+        for (i = 0; i < vectors; i++) s[q][i] = V_FNMA(s[j][i], V_SET(g[YCI_PANEL * j + q]), s[q][i]);
+    }
+}
+
+YCI_TARGET static void YCI_(yci_strips)(int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb,
+    const double *g, const double *inverse, double *c, size_t ldc) {
+    for (; m > 0; m -= V_STRIP_V * V_W, a += V_STRIP_V * V_W, c += V_STRIP_V * V_W) {
+        int vectors = (m + V_W - 1) / V_W, last = m - V_W * (vectors - 1);
+        if (vectors > V_STRIP_V) vectors = V_STRIP_V, last = V_W;
+        if (n <= YCI_PANEL / 2) {
+            if (vectors == 1) YCI_(yci_strip)(1, last, YCI_PANEL / 2, n, k, a, lda, b, ldb, g, inverse, c, ldc);
+#if V_STRIP_V == 3
+            else if (vectors == 2) YCI_(yci_strip)(2, last, YCI_PANEL / 2, n, k, a, lda, b, ldb, g, inverse, c, ldc);
+            else YCI_(yci_strip)(3, last, YCI_PANEL / 2, n, k, a, lda, b, ldb, g, inverse, c, ldc);
+#endif
+        } else if (vectors == 1) YCI_(yci_strip)(1, last, YCI_PANEL, n, k, a, lda, b, ldb, g, inverse, c, ldc);
+#if V_STRIP_V == 3
+        else if (vectors == 2) YCI_(yci_strip)(2, last, YCI_PANEL, n, k, a, lda, b, ldb, g, inverse, c, ldc);
+        else YCI_(yci_strip)(3, last, YCI_PANEL, n, k, a, lda, b, ldb, g, inverse, c, ldc);
+#endif
+    }
+}
+
+YCI_TARGET static void YCI_(yci_expand)(int count, const int *chunk, const double *source, double *column) {
+    int c;
+    for (c = 0; c < count; c++, column += 8) {
+        const double *from = source + (chunk[c] >> 8);
+#ifdef V_EXPAND
+        V_STORE(column, V_ADD(V_LOAD(column), V_EXPAND(from, chunk[c])));
+#else
+        int bits = chunk[c] & 255, i;
+        if (bits == 255)
+            for (i = 0; i < 8; i += V_W) V_STORE(column + i, V_ADD(V_LOAD(column + i), V_LOAD(from + i)));
+        else
+            for (i = 0; bits; i++, bits >>= 1)
+                if (bits & 1) column[i] += *from++;
+#endif
+    }
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_below_some)(
+    int m, int columns, int n, const double *a, size_t lda, const double *t, double *z, size_t ldz, int count) {
+    int i, j, r;
+    for (i = 0; i < m; i += V_W) {
+        V s[YCI_RIGHT];
+        YCI_UNROLL
+        for (r = 0; r < count; r++) s[r] = V_LOAD(z + (size_t)r * ldz + i);
+        if (columns) {
+            YCI_UNROLL
+            for (j = 0; j < columns; j++) {
+                V x = V_LOAD(a + (size_t)j * lda + i);
+                YCI_UNROLL
+                for (r = 0; r < count; r++) s[r] = V_FNMA(x, V_SET(t[YCI_PANEL * r + j]), s[r]);
+            }
+        } else
+            for (j = 0; j < n; j++) {
+                V x = V_LOAD(a + (size_t)j * lda + i);
+                YCI_UNROLL
+                for (r = 0; r < count; r++) s[r] = V_FNMA(x, V_SET(t[YCI_PANEL * r + j]), s[r]);
+            }
+        YCI_UNROLL
+        for (r = 0; r < count; r++) V_STORE(z + (size_t)r * ldz + i, s[r]);
+    }
+}
+
+YCI_TARGET static void YCI_(yci_below)(
+    int m, int n, const double *a, size_t lda, const double *t, double *z, size_t ldz, int count) {
+    int columns = n == YCI_PANEL ? YCI_PANEL : 0;
+    if (count == 1 && columns) YCI_(yci_below_some)(m, YCI_PANEL, n, a, lda, t, z, ldz, 1);
+    else if (count == 1) YCI_(yci_below_some)(m, 0, n, a, lda, t, z, ldz, 1);
+    else if (count == 2) YCI_(yci_below_some)(m, 0, n, a, lda, t, z, ldz, 2);
+    else if (count == 3 && columns) YCI_(yci_below_some)(m, YCI_PANEL, n, a, lda, t, z, ldz, 3);
+    else if (count == 3) YCI_(yci_below_some)(m, 0, n, a, lda, t, z, ldz, 3);
+    else YCI_(yci_below_some)(m, 0, n, a, lda, t, z, ldz, 4);
+}
+
+/* t[j] -= the sum of s[j], for four vectors at once where that is cheaper than one after the other. */
+YCI_TARGET YCI_INLINE void YCI_(yci_above_store)(const V *s, int n, double *t) {
+    int j;
+#if YCI_ISA == 512
+    __m512d a = _mm512_add_pd(_mm512_unpacklo_pd(s[0], s[1]), _mm512_unpackhi_pd(s[0], s[1]));
+    __m512d b = _mm512_add_pd(_mm512_unpacklo_pd(s[2], s[3]), _mm512_unpackhi_pd(s[2], s[3]));
+    __m512d c = _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x44), _mm512_shuffle_f64x2(a, b, 0xee));
+    __m512d d = _mm512_add_pd(_mm512_shuffle_f64x2(c, c, 0xd8), _mm512_shuffle_f64x2(c, c, 0x8d));
+    double sum[8];
+    _mm512_storeu_pd(sum, d);
+    for (j = 0; j < n; j++) t[j] -= sum[j];
+#else
+    for (j = 0; j < n; j++) {
+        double lane[V_W], sum = 0.0;
+        int i;
+        V_STORE(lane, s[j]);
+        for (i = 0; i < V_W; i++) sum += lane[i];
+        t[j] -= sum;
+    }
+#endif
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_above_some)(
+    int m, int n, const double *a, size_t lda, double *t, const double *z, size_t ldz, int count) {
+    V s[YCI_RIGHT][4];
+    int i, j, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (j = 0; j < 4; j++) s[r][j] = V_SET(0.0);
+    for (i = 0; i < m; i += V_W) {
+        V x[YCI_RIGHT];
+        YCI_UNROLL
+        for (r = 0; r < count; r++) x[r] = V_LOAD(z + (size_t)r * ldz + i);
+        YCI_UNROLL
+        for (j = 0; j < 4; j++) {
+            V y = V_LOAD(a + (size_t)(j < n ? j : 0) * lda + i);
+            YCI_UNROLL
+            for (r = 0; r < count; r++) s[r][j] = V_FMA(x[r], y, s[r][j]);
+        }
+    }
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_(yci_above_store)(s[r], n, t + YCI_PANEL * r);
+}
+
+YCI_TARGET static void YCI_(yci_above)(
+    int m, int n, const double *a, size_t lda, double *t, const double *z, size_t ldz, int count) {
+    for (; n > 0; n -= 4, a += 4 * lda, t += 4) {
+        int some = n < 4 ? n : 4;
+        if (count == 1) YCI_(yci_above_some)(m, some, a, lda, t, z, ldz, 1);
+        else if (count == 2) YCI_(yci_above_some)(m, some, a, lda, t, z, ldz, 2);
+        else if (count == 3) YCI_(yci_above_some)(m, some, a, lda, t, z, ldz, 3);
+        else YCI_(yci_above_some)(m, some, a, lda, t, z, ldz, 4);
+    }
+}
+
+#define YCI_TEXT_(name) #name
+#define YCI_TEXT(name) YCI_TEXT_(name)
+static const yci_kernels YCI_(yci_kernels) = {
+    YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand), YCI_(yci_below), YCI_(yci_above)};
+
+#undef YCI_
+#undef YCI_TARGET
+#undef YCI_TEXT
+#undef YCI_TEXT_
+#undef V
+#undef V_W
+#undef V_TILE_V
+#undef V_TILE_N
+#undef V_STRIP_V
+#undef V_SET
+#undef V_LOAD
+#undef V_STORE
+#undef V_STORE_PART
+#undef V_ADD
+#undef V_SUB
+#undef V_MUL
+#undef V_FMA
+#undef V_FNMA
+#undef V_EXPAND
+#endif /* ---- what is read once per instruction set ---- */
+
+#if defined(YCI_ISA) && YCI_ISA == 0 /* the rest is read once again */
+#undef YCI_ISA
+
+/* The kernels for instruction set `level`, 0 to YCI_LEVELS - 1 from plain to best; NULL where this processor lacks it. */
+#define YCI_LEVELS 3
+static const yci_kernels *yci_kernels_of(int level) {
+    if (level == 0) return &yci_kernels_plain;
+#ifdef YCI_X86
+    if (level == 1 && __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma")) return &yci_kernels_avx2;
+    if (level == 2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+        __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("fma"))
+        return &yci_kernels_avx512;
+#endif
+    return NULL;
+}
+
+static const yci_kernels *yci_kernels_best(void) {
+    const yci_kernels *best = NULL;
+    int level = YCI_LEVELS;
+    while (!best) best = yci_kernels_of(--level);
+    return best;
+}
+
 /* y -= A x for a column-major A (m x n, leading dimension ld), four columns a pass; rows go in pairs so that a compiler
  * that does not vectorise loops of unknown length still pairs them. */
 static void yci_dense_subtract(int m, int n, const double *a, size_t ld, const double *x, double *y) {
@@ -1206,7 +1611,7 @@ YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
         lu->context = c, lu->n = n;
         lu->f = (double *)yci_alloc(&lu->context, (size_t)n, (size_t)n * sizeof(double));
         lu->pivot = YCI_NEW(&lu->context, int, n);
-        lu->packed = YCI_NEW(&lu->context, double, ((size_t)n + 3) * YCI_PANEL);
+        lu->packed = YCI_NEW(&lu->context, double, ((size_t)n + 3) * YCI_LU_PANEL);
         lu->work = YCI_NEW(&lu->context, double, 2 * (size_t)n);
         if (lu->f && lu->pivot && lu->packed && lu->work) {
             *out = lu;
@@ -1263,7 +1668,7 @@ static void yci_lu_update(void *arg, int first, int last) {
     int width = job->end - job->begin, rows = lu->n - job->end, q, i, j, k;
     size_t n = (size_t)lu->n;
     for (q = first; q < last; q++) {
-        double b[4 * YCI_PANEL];
+        double b[4 * YCI_LU_PANEL];
         int left = job->begin / 4, start = q < left ? 4 * q : job->end + 4 * (q - left);
         int columns = start + 4 <= lu->n ? 4 : lu->n - start;
         for (j = 0; j < columns; j++) {
@@ -1310,9 +1715,9 @@ YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
         }
         lu->norm = yci_max(lu->norm, sum);
     }
-    for (begin = 0; begin < lu->n; begin += YCI_PANEL) {
+    for (begin = 0; begin < lu->n; begin += YCI_LU_PANEL) {
         yci_lu_job job;
-        int end = begin + YCI_PANEL < lu->n ? begin + YCI_PANEL : lu->n, rows = lu->n - end, items, bad;
+        int end = begin + YCI_LU_PANEL < lu->n ? begin + YCI_LU_PANEL : lu->n, rows = lu->n - end, items, bad;
         bad = yci_lu_panel(lu, begin, end);
         if (bad >= 0) return YCI_FAIL(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
         for (k = 0; k < end - begin; k++)
@@ -2142,9 +2547,9 @@ static int yci_ldl_build(yci_context *c, yci_ldl *f, yci_ldl_plan *t) {
     f->panel = YCI_NEW(c, double, f->panel_size), f->update = YCI_NEW(c, double, f->update_size);
     for (s = 0; s < f->supers; s++)
         if (f->super[s].height > most) most = f->super[s].height;
-    f->packed = YCI_NEW(c, double, ((size_t)most + 8) * YCI_PANEL);
-    f->scaled = YCI_NEW(c, double, ((size_t)most + 8) * YCI_PANEL);
-    f->within = YCI_NEW(c, double, YCI_PANEL *YCI_PANEL);
+    f->packed = YCI_NEW(c, double, ((size_t)most + 8) * YCI_LU_PANEL);
+    f->scaled = YCI_NEW(c, double, ((size_t)most + 8) * YCI_LU_PANEL);
+    f->within = YCI_NEW(c, double, YCI_LU_PANEL *YCI_LU_PANEL);
     sorted = YCI_NEW(c, int, total);
     ok = f->panel && f->update && f->packed && f->scaled && f->within && sorted;
     if (ok) {
@@ -2262,14 +2667,14 @@ static int yci_ldl_node(const yci_ldl_front *front, int column, int d, const dou
     int a, b, i, k = column - front->begin;
     for (a = 0; a < d; a++)
         yci_dense_subtract(front->height - column, k, front->panel + (size_t)front->begin * h + column, h,
-            f->within + (k + a) * YCI_PANEL, corner + (size_t)a * h);
+            f->within + (k + a) * YCI_LU_PANEL, corner + (size_t)a * h);
     for (a = 0; a < d; a++)
         for (b = 0; b <= a; b++) block[a * d + b] = block[b * d + a] = corner[(size_t)b * h + (size_t)a];
     if (spd ? !yci_block_invert_spd(d, block, own, d + 1, inverse) : !(yci_block_invert(d, block, own, inverse) > 0.0))
         return 0;
     for (a = 0; a < d; a++) {
         for (i = column + d; i < front->end; i++)
-            f->within[(i - front->begin) * YCI_PANEL + k + a] = corner[(size_t)a * h + (size_t)(i - column)];
+            f->within[(i - front->begin) * YCI_LU_PANEL + k + a] = corner[(size_t)a * h + (size_t)(i - column)];
         for (b = 0; b < d; b++) corner[(size_t)a * h + (size_t)b] = inverse[a * d + b];
     }
     for (i = d; i < front->end - column; i++) {
@@ -2353,7 +2758,7 @@ static int yci_ldl_super_factor(yci_ldl *f, const yci_ldl_super *s, const double
     for (front.begin = 0; front.begin < s->width; front.begin = front.end) {
         int first = position, column = front.begin, work;
         front.end = front.begin;
-        while (position < s->last && f->start[position + 1] - f->start[first] <= YCI_PANEL)
+        while (position < s->last && f->start[position + 1] - f->start[first] <= YCI_LU_PANEL)
             front.end = front.begin + f->start[++position] - f->start[first];
         front.inner = (s->width - front.end + 3) / 4, front.groups = front.inner + (s->height - s->width + 3) / 4;
         for (i = first; i < position; i++) {
