@@ -780,7 +780,7 @@ static void yci_log(yci_context *c, const char *format, ...) {
  * since the host need only align to 16. The padding in front is stored as well. */
 #define YCI_COOKIE 64
 
-static void *yci_alloc(yci_context *c, size_t count, size_t size) {
+static void *yci_alloc_raw(yci_context *c, size_t count, size_t size) {
     size_t total, shift, header[2];
     char *raw, *block;
     if (size && count > ((size_t)-1 / 2 - 2 * YCI_COOKIE) / size) return NULL;
@@ -791,9 +791,14 @@ static void *yci_alloc(yci_context *c, size_t count, size_t size) {
     block = raw + shift;
     header[0] = total, header[1] = shift;
     memcpy(block - sizeof header, header, sizeof header);
-    memset(block, 0, count * size);
     c->bytes += count * size;
     if (c->bytes > c->peak) c->peak = c->bytes;
+    return block;
+}
+
+static void *yci_alloc(yci_context *c, size_t count, size_t size) {
+    void *block = yci_alloc_raw(c, count, size);
+    if (block) memset(block, 0, count * size);
     return block;
 }
 
@@ -808,7 +813,8 @@ static void yci_free(yci_context *c, void *block) {
     else free(raw);
 }
 
-#define YCI_NEW(c, type, count) ((type *)yci_alloc((c), (size_t)(count), sizeof(type)))
+#define YCI_NEW(c, type, count) ((type *)yci_alloc((c), (size_t)(count), sizeof(type)))     /* zeros */
+#define YCI_RAW(c, type, count) ((type *)yci_alloc_raw((c), (size_t)(count), sizeof(type))) /* anything */
 
 /* Makes an array hold at least `need` items of `size` bytes, keeping the first `used`. Growth is by half, so pushing is
  * linear overall. On failure the array is untouched. */
@@ -879,6 +885,7 @@ static void yci_parallel(yci_context *c, int count, int grain, yci_body body, vo
 
 YC_FN double yci_min(double a, double b) { return a < b ? a : b; }
 YC_FN double yci_max(double a, double b) { return a > b ? a : b; }
+YC_FN int yci_min_int(int a, int b) { return a < b ? a : b; }
 YC_FN double yci_clamp(double x, double lo, double hi) { return x < lo ? lo : x > hi ? hi : x; }
 
 YC_FN void yci_copy(double *out, const double *a) { out[0] = a[0], out[1] = a[1], out[2] = a[2]; }
@@ -1106,6 +1113,18 @@ YC_FN double yci_block_invert(int n, const double *a, const double *reference, d
     return smallest;
 }
 
+/* The inverse of a singular block with `shift` added to its diagonal, away from zero as `reference` tells. */
+YC_FN int yci_block_repair(int n, double *a, const double *reference, double shift, double *inverse) {
+    double size[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
+    int i;
+    for (i = 0; i < n * n; i++) size[i] = reference[i];
+    for (i = 0; i < n; i++) {
+        double sign = reference[i * (n + 1)] < 0.0 ? -1.0 : 1.0;
+        a[i * (n + 1)] += sign * shift, size[i * (n + 1)] = sign * shift;
+    }
+    return shift > 0.0 && yci_block_invert(n, a, size, inverse) > 0.0;
+}
+
 /* ------------------------------------------------------------------------------------------------------ kernels --- */
 
 /* What the sparse factorisation, its solves and LU spend their time in. Matrices are by columns, entry (i, j) at
@@ -1114,6 +1133,18 @@ YC_FN double yci_block_invert(int n, const double *a, const double *reference, d
 #define YCI_PANEL 8    /* columns that are factored together */
 #define YCI_OVERREAD 8 /* numbers behind every array that a kernel reads */
 #define YCI_RIGHT 4    /* right-hand sides that are solved together */
+
+/* Adds columns of `source` to columns of `target` in which their rows stand further apart: row k of the source goes to
+ * row place[k], column k to column place[k]. Rows are told in chunks: chunk[c], at << 8 | bits, brings the source's rows
+ * at, at + 1, ... to the target's rows 8 (base + c) + bit, for the bits that are set. What lies above the diagonal is
+ * moved like the rest and means nothing. */
+typedef struct yci_expansion {
+    int count, chunks, base, column, row; /* columns to add; the target's first column and row are these */
+    const int *place, *chunk;
+    const double *source; /* its columns from the one that goes to place[0] */
+    double *target;
+    size_t source_ld, target_ld;
+} yci_expansion;
 
 typedef struct yci_kernels {
     const char *name;
@@ -1127,8 +1158,7 @@ typedef struct yci_kernels {
     void (*strips)(int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, const double *g,
         const double *inverse, double *c, size_t ldc);
 
-    /* column[8 c + bit] += source[at], source[at + 1], ... for the bits that are set in chunk c, at << 8 | bits. */
-    void (*expand)(int count, const int *chunk, const double *source, double *column);
+    void (*expand)(const yci_expansion *e);
 
     /* Z -= A T and T -= A' Z: A is m x n with n <= YCI_PANEL, Z is m x count with count <= YCI_RIGHT, T is n x count
      * with leading dimension YCI_PANEL. Z has room for YCI_OVERREAD more rows, which `below` overwrites and in which
@@ -1354,20 +1384,27 @@ YCI_TARGET static void YCI_(yci_strips)(int m, int n, int k, const double *a, si
     }
 }
 
-YCI_TARGET static void YCI_(yci_expand)(int count, const int *chunk, const double *source, double *column) {
-    int c;
-    for (c = 0; c < count; c++, column += 8) {
-        const double *from = source + (chunk[c] >> 8);
+YCI_TARGET static void YCI_(yci_expand)(const yci_expansion *e) {
+    int j, c;
+    for (j = 0; j < e->count; j++) {
+        int first = e->place[j] / 8;
+        const int *chunk = e->chunk + (first - e->base), *end = e->chunk + e->chunks;
+        const double *source = e->source + (size_t)j * e->source_ld;
+        double *to = e->target + (size_t)(e->place[j] - e->column) * e->target_ld + (8 * first - e->row);
+        for (; chunk < end; chunk++, to += 8) {
+            const double *from = source + (*chunk >> 8);
 #ifdef V_EXPAND
-        V_STORE(column, V_ADD(V_LOAD(column), V_EXPAND(from, chunk[c])));
+            (void)c;
+            V_STORE(to, V_ADD(V_LOAD(to), V_EXPAND(from, *chunk)));
 #else
-        int bits = chunk[c] & 255, i;
-        if (bits == 255)
-            for (i = 0; i < 8; i += V_W) V_STORE(column + i, V_ADD(V_LOAD(column + i), V_LOAD(from + i)));
-        else
-            for (i = 0; bits; i++, bits >>= 1)
-                if (bits & 1) column[i] += *from++;
+            int bits = *chunk & 255;
+            if (bits == 255)
+                for (c = 0; c < 8; c += V_W) V_STORE(to + c, V_ADD(V_LOAD(to + c), V_LOAD(from + c)));
+            else
+                for (c = 0; bits; c++, bits >>= 1)
+                    if (bits & 1) to[c] += *from++;
 #endif
+        }
     }
 }
 
@@ -1509,6 +1546,146 @@ static const yci_kernels *yci_kernels_best(void) {
     int level = YCI_LEVELS;
     while (!best) best = yci_kernels_of(--level);
     return best;
+}
+
+/* ------------------------------------------------------------------------------------------ panels of a factor --- */
+
+/* The leading n columns of a symmetric front of m rows (its lower triangle) become those of its Cholesky factor, panel
+ * by panel looking left. The diagonal receives its reciprocals, and what stands above it is overwritten. reference[j]
+ * is what pivot j came from: one lost in its rounding counts as zero. Returns the column without a pivot, or -1. */
+static int yci_panel_cholesky(const yci_kernels *kernel, int m, int n, double *f, size_t ld, const double *reference) {
+    int begin, width, j, i, k;
+    for (begin = 0; begin < n; begin += width) {
+        double g[YCI_PANEL * YCI_PANEL], inverse[YCI_PANEL], *corner = f + (size_t)begin * (ld + 1);
+        width = yci_min_int(n - begin, YCI_PANEL);
+        if (begin) kernel->product(width, width, begin, f + begin, ld, f + begin, ld, corner, ld, 1);
+        for (j = 0; j < width; j++)
+            for (i = j; i < width; i++) g[YCI_PANEL * j + i] = corner[(size_t)j * ld + (size_t)i];
+        for (j = 0; j < width; j++) { /* L D L' first, since a division takes less time than a root besides */
+            double *a = g + YCI_PANEL * j, pivot = a[j];
+            if (!(pivot > 0.0 && pivot > YCI_PIVOT_TOLERANCE * reference[begin + j] && pivot <= DBL_MAX))
+                return begin + j;
+            inverse[j] = 1.0 / pivot;
+            for (k = j + 1; k < width; k++) {
+                double factor = a[k] * inverse[j];
+                for (i = k; i < width; i++) g[YCI_PANEL * k + i] -= a[i] * factor;
+            }
+        }
+        for (j = 0; j < width; j++) {
+            double *a = g + YCI_PANEL * j;
+            inverse[j] = 1.0 / sqrt(a[j]);
+            corner[(size_t)j * ld + (size_t)j] = inverse[j];
+            for (i = j + 1; i < width; i++) corner[(size_t)j * ld + (size_t)i] = a[i] *= inverse[j];
+        }
+        kernel->strips(
+            m - begin - width, width, begin, f + begin + width, ld, f + begin, ld, g, inverse, corner + width, ld);
+    }
+    return -1;
+}
+
+/* Columns of the whole nodes, the first with dim[0] unknowns, that make up the next panel of at most n columns. */
+static int yci_panel_nodes(const unsigned char *dim, int n) {
+    int columns = dim[0];
+    while (columns < n && columns + dim[columns] <= YCI_PANEL) columns += dim[columns];
+    return columns;
+}
+
+/* The same for an indefinite front whose pivots are the blocks of whole nodes: L D L'. The columns receive W = L D,
+ * their diagonal blocks inverse(D); `scaled` (of the same layout) receives L below the blocks. `reference` holds the
+ * blocks before anything was subtracted. A block without an inverse has shift * |its own diagonal| added to its
+ * diagonal, away from zero, and is counted in *repaired; with shift 0 it ends the factorisation. */
+static int yci_panel_indefinite(const yci_kernels *kernel, int m, int n, double *f, size_t ld, const unsigned char *dim,
+    const double *reference, double shift, double *scaled, int *repaired) {
+    static const double ones[YCI_PANEL] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
+    int begin, width, j, i, k, a, b, d;
+    for (begin = 0; begin < n; begin += width) {
+        double g[YCI_PANEL * YCI_PANEL] = {0.0}, minus[YCI_PANEL * YCI_PANEL] = {0.0},
+                             *corner = f + (size_t)begin * (ld + 1);
+        width = yci_panel_nodes(dim + begin, n - begin);
+        if (begin) kernel->product(width, width, begin, f + begin, ld, scaled + begin, ld, corner, ld, 1);
+        for (j = 0; j < width; j += d) {
+            double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX], inverse[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
+            double *own = corner + (size_t)j * (ld + 1);
+            d = dim[begin + j];
+            for (a = 0; a < d; a++)
+                for (b = 0; b <= a; b++) block[a * d + b] = block[b * d + a] = own[(size_t)b * ld + (size_t)a];
+            if (!(yci_block_invert(d, block, reference, inverse) > 0.0)) {
+                if (!yci_block_repair(d, block, reference, shift, inverse)) return begin + j;
+                ++*repaired;
+            }
+            reference += d * d;
+            for (a = 0; a < d; a++)
+                for (b = 0; b < d; b++) {
+                    own[(size_t)b * ld + (size_t)a] = inverse[a * d + b];
+                    minus[YCI_PANEL * (j + b) + j + a] = -inverse[a * d + b];
+                }
+            for (i = j + d; i < width; i++) { /* L of the panel's later rows, and what it takes from them */
+                for (a = 0; a < d; a++) {
+                    double sum = 0.0;
+                    for (b = 0; b < d; b++) sum += corner[(size_t)(j + b) * ld + (size_t)i] * inverse[b * d + a];
+                    g[YCI_PANEL * (j + a) + i] = sum;
+                }
+                for (k = j + d; k <= i; k++)
+                    for (a = 0; a < d; a++)
+                        corner[(size_t)k * ld + (size_t)i] -=
+                            g[YCI_PANEL * (j + a) + i] * corner[(size_t)(j + a) * ld + (size_t)k];
+            }
+        }
+        kernel->strips(
+            m - begin - width, width, begin, f + begin + width, ld, scaled + begin, ld, g, ones, corner + width, ld);
+        kernel->product(m - begin - width, width, width, corner + width, ld, minus, YCI_PANEL,
+            scaled + (size_t)begin * ld + begin + width, ld, 0);
+    }
+    return -1;
+}
+
+/* y := inverse(G) x for the triangle of a panel; the diagonal holds reciprocals. */
+static void yci_corner_forward(int n, const double *g, size_t ld, double *x, double *y) {
+    int i, j;
+    for (j = 0; j < n; j++, g += ld) {
+        double value = x[j] = y[j] = x[j] * g[j];
+        for (i = j + 1; i < n; i++) x[i] -= g[i] * value;
+    }
+}
+
+/* x := inverse(G') y. */
+static void yci_corner_backward(int n, const double *g, size_t ld, const double *y, double *x) {
+    int i, j;
+    for (j = n - 1; j >= 0; j--) {
+        const double *column = g + (size_t)j * ld;
+        double sum = y[j];
+        for (i = j + 1; i < n; i++) sum -= column[i] * x[i];
+        x[j] = sum * column[j];
+    }
+}
+
+/* The same two for panels of an indefinite front: x := what precedes the division by D, y := that divided by it; and
+ * x := inverse(L') inverse(D) y. */
+static void yci_corner_forward_nodes(
+    int n, const unsigned char *dim, const double *g, size_t ld, double *x, double *y) {
+    int i, j, a, b, d;
+    for (j = 0; j < n; j += d) {
+        const double *own = g + (size_t)j * ld;
+        d = dim[j];
+        for (a = 0; a < d; a++)
+            for (y[j + a] = 0.0, b = 0; b < d; b++) y[j + a] += own[(size_t)b * ld + (size_t)(j + a)] * x[j + b];
+        for (a = 0; a < d; a++)
+            for (i = j + d; i < n; i++) x[i] -= own[(size_t)a * ld + (size_t)i] * y[j + a];
+    }
+}
+
+static void yci_corner_backward_nodes(
+    int n, const unsigned char *dim, const double *g, size_t ld, double *y, double *x) {
+    int i, j = n, a, b, d;
+    while (j > 0) {
+        const double *own;
+        for (j--; dim[j] == 0;) j--;
+        d = dim[j], own = g + (size_t)j * ld;
+        for (a = 0; a < d; a++)
+            for (i = j + d; i < n; i++) y[j + a] -= own[(size_t)a * ld + (size_t)i] * x[i];
+        for (a = 0; a < d; a++)
+            for (x[j + a] = 0.0, b = 0; b < d; b++) x[j + a] += own[(size_t)b * ld + (size_t)(j + a)] * y[j + b];
+    }
 }
 
 /* y -= A x for a column-major A (m x n, leading dimension ld), four columns a pass; rows go in pairs so that a compiler
@@ -2242,34 +2419,45 @@ static yc_result yci_order_minimum_degree(
 
 /* ------------------------------------------------------------------------------------ direct: symbolic analysis --- */
 
-typedef struct yci_ldl_entry {
-    int block, row, rows; /* the caller's block, and where its rows stand in the front */
-} yci_ldl_entry;
+#define YCI_LDL_TASKS 32 /* at most: subtrees factored at the same time */
+#define YCI_LDL_STEP 64  /* columns of a front that are factored before the rest of it is updated */
+
+/* Values that stand side by side, and where they go: value[from + i], i < count, is added at to + i * step of the
+ * panel. While the analysis runs, `to` and `step` hold the first one's row and column in the matrix. */
+typedef struct yci_ldl_run {
+    int from, count, to, step;
+} yci_ldl_run;
 
 typedef struct yci_ldl_super {
-    int first, last;         /* positions of its own nodes */
-    int row_begin, row_end;  /* the other rows of its front, in `row` */
-    int width, height;       /* unknowns eliminated, unknowns of the front */
-    int parent, child, next; /* supernode it updates, its first child, its next sibling; -1: none */
-    size_t panel, update;    /* where its panel (height x width) and update matrix start, both by columns */
+    int first, width, height; /* its first column; its columns; its rows, which begin with the columns themselves */
+    int parent, child, next;  /* supernode it updates, its first child, its next sibling; -1: none */
+    int row, chunk;           /* where its rows below begin in `row` and `rel`, and the chunks that expand them */
+    int inside, chunks;       /* rows below that are columns of the parent's panel; number of chunks */
+    int run;                  /* its values' first run; the next supernode's is the end */
+    int region, side;         /* where its update matrix lives: task (or their number), and end of its region */
+    int shift;                /* first row of the update matrix: width, rounded down to a chunk */
+    int repaired;             /* pivot blocks that the last factorisation had to shift */
+    size_t panel, update, ld; /* where panel (height x width) and update matrix begin, and the latter's stride */
 } yci_ldl_super;
 
-/* A position is a place in the elimination order; nodes without unknowns have none. */
+/* Columns and rows are numbered in elimination order, by unknowns. */
 typedef struct yci_ldl {
     yci_context *c;
-    int active, size, supers; /* positions, unknowns, supernodes */
-    int factored, widest;     /* widest: the most rows below a panel */
-    int *node;                /* active: node of a position */
-    int *offset;              /* active: its first unknown in the caller's numbering */
-    int *start;               /* active + 1: its first unknown in elimination order */
-    yci_ldl_super *super;
-    int *row, *rel;       /* positions of rows below the panels; their places in the parent's front */
-    int *entry_begin;     /* active + 1 */
-    yci_ldl_entry *entry; /* blocks at or below each position's diagonal, the diagonal first */
-    size_t panel_size, update_size;
-    double *panel, *update;  /* L, and the update matrices alive */
-    double *packed, *scaled; /* rows below a panel of columns, packed: L and W = L D */
-    double *within;          /* W of the rows inside it */
+    const yci_kernels *kernels;
+    int spd, size, supers, nodes;
+    int factored, pivots, tallest; /* columns factored; rows of the highest front */
+    int *order;                    /* nodes: the node eliminated k-th */
+    int *unknown;                  /* size: the caller's number of each unknown */
+    unsigned char *dim;            /* size: unknowns of the node that begins here; 0 inside a node */
+    unsigned char *back;           /* size: columns of the panel that ends here; NULL when spd */
+    yci_ldl_super *super;          /* supers + 1 */
+    int *row, *rel, *chunk;
+    yci_ldl_run *run;
+    double *panel, *update;     /* L, and the update matrices alive */
+    double *reference, *scaled; /* a front's pivots before anything is subtracted; L D of its columns: one per task */
+    size_t reference_size, scaled_size, update_size;
+    int (*task)[2], tasks; /* ranges of supernodes that are whole subtrees, for parallel factorisation */
+    double shift;          /* added to the diagonal of a pivot block without an inverse; 0: it fails */
     double nonzeros, flops;
 } yci_ldl;
 
@@ -2277,10 +2465,10 @@ static void yci_ldl_destroy(yci_ldl *f) {
     yci_context *c;
     if (!f) return;
     c = f->c;
-    yci_free(c, f->node), yci_free(c, f->offset), yci_free(c, f->start), yci_free(c, f->super);
-    yci_free(c, f->row), yci_free(c, f->rel), yci_free(c, f->entry_begin), yci_free(c, f->entry);
-    yci_free(c, f->panel), yci_free(c, f->update), yci_free(c, f->packed), yci_free(c, f->scaled);
-    yci_free(c, f->within);
+    yci_free(c, f->order), yci_free(c, f->unknown), yci_free(c, f->dim), yci_free(c, f->back), yci_free(c, f->super),
+        yci_free(c, f->row);
+    yci_free(c, f->rel), yci_free(c, f->chunk), yci_free(c, f->run), yci_free(c, f->panel), yci_free(c, f->update);
+    yci_free(c, f->reference), yci_free(c, f->scaled), yci_free(c, f->task);
     yci_free(c, f);
 }
 
@@ -2424,148 +2612,221 @@ static void yci_ldl_regroup(yci_ldl_plan *t) {
     yci_ldl_renumber(t);
 }
 
-/* Places of the update matrices: a supernode at an even depth of the tree keeps its own at the low end of the array,
- * one at an odd depth at the high end, so a front can be filled while its children's matrices, at the other end, are
- * read. In postorder each end is a stack. */
-static void yci_ldl_place_updates(yci_ldl *f, int *depth) {
-    size_t low = 0, high = 0, most = 0;
-    int s, child;
-    for (s = f->supers - 1; s >= 0; s--) depth[s] = f->super[s].parent < 0 ? 0 : 1 - depth[f->super[s].parent];
-    for (s = 0; s < f->supers; s++) {
-        yci_ldl_super *u = f->super + s;
-        size_t rows = (size_t)(u->height - u->width);
-        size_t *own = depth[s] ? &high : &low, *children = depth[s] ? &low : &high;
-        u->update = *own, *own += rows * rows;
-        if (low + high > most) most = low + high;
-        for (child = u->child; child >= 0; child = f->super[child].next) {
-            size_t used = (size_t)(f->super[child].height - f->super[child].width);
-            *children -= used * used;
-        }
-    }
-    for (s = 0; s < f->supers; s++)
-        if (depth[s]) {
-            size_t rows = (size_t)(f->super[s].height - f->super[s].width);
-            f->super[s].update = most - f->super[s].update - rows * rows;
-        }
-    f->update_size = most;
-}
-
-/* Collects the rows of every front from the matrix and the children, then sorts all of them at once by exchanging rows
- * and columns twice. `sorted` and `row` have room for all rows. */
-static void yci_ldl_rows(yci_ldl *f, yci_ldl_plan *t, int *sorted) {
-    int s, i, k, child, *begin = t->work, *mark = t->count;
-    for (i = 0; i < t->active; i++) mark[i] = -1, begin[i] = 0;
-    for (s = 0; s < f->supers; s++) {
-        yci_ldl_super *u = f->super + s;
-        int used = u->row_begin;
-        for (i = u->first; i < u->last; i++) {
-            int v = t->node[i];
-            for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) {
-                int r = t->pos[t->col[k]];
-                if (r >= u->last && mark[r] != s) mark[r] = s, f->row[used++] = r, begin[r]++;
-            }
-        }
-        for (child = u->child; child >= 0; child = f->super[child].next)
-            for (k = f->super[child].row_begin; k < f->super[child].row_end; k++) {
-                int r = f->row[k];
-                if (r >= u->last && mark[r] != s) mark[r] = s, f->row[used++] = r, begin[r]++;
-            }
-    }
-    for (i = 0, k = 0; i < t->active; i++) k += begin[i], begin[i] = k - begin[i];
-    for (s = 0; s < f->supers; s++)
-        for (k = f->super[s].row_begin; k < f->super[s].row_end; k++) sorted[begin[f->row[k]]++] = s;
-    for (s = 0; s < f->supers; s++) t->head[s] = f->super[s].row_begin;
-    for (i = 0, k = 0; i < t->active; i++)
-        for (; k < begin[i]; k++) f->row[t->head[sorted[k]]++] = i;
-}
-
-/* Where everything goes: the caller's blocks in the fronts, children's rows in their parents' fronts. */
-static void yci_ldl_maps(yci_ldl *f, yci_ldl_plan *t) {
-    int s, i, k, at, used = 0, child, *where = t->work;
-    for (s = 0; s < f->supers; s++) {
-        const yci_ldl_super *u = f->super + s;
-        for (i = u->first, at = 0; i < u->last; i++) where[i] = at, at += t->dim[t->node[i]];
-        for (k = u->row_begin; k < u->row_end; k++) where[f->row[k]] = at, at += t->dim[t->node[f->row[k]]];
-        for (child = u->child; child >= 0; child = f->super[child].next)
-            for (k = f->super[child].row_begin; k < f->super[child].row_end; k++) f->rel[k] = where[f->row[k]];
-        for (i = u->first; i < u->last; i++) {
-            int v = t->node[i], diagonal = used++;
-            f->entry_begin[i] = diagonal;
-            for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) {
-                int r = t->pos[t->col[k]], slot = r == i ? diagonal : used;
-                if (r < i) continue;
-                f->entry[slot].block = k, f->entry[slot].row = where[r], f->entry[slot].rows = t->dim[t->col[k]];
-                if (r > i) used++;
-            }
-        }
-    }
-    f->entry_begin[f->active] = used;
-}
+/* Numbers of a supernode's update matrix. */
+static size_t yci_ldl_update_size(const yci_ldl_super *s) { return s->ld * (size_t)(s->height - s->width); }
 
 /* Turns the plan's groups into supernodes and measures them. */
 static void yci_ldl_measure(yci_ldl *f, const yci_ldl_plan *t) {
-    int s, i, position = 0;
-    size_t rows = 0;
+    int s, first = 0;
+    size_t panels = 0;
     for (s = 0; s < f->supers; s++) {
         yci_ldl_super *u = f->super + s;
         double below = t->height[s] - t->width[s], w = t->width[s], h = t->height[s];
-        u->first = position;
-        while (position < t->active && t->super_of[position] == s) position++;
-        u->last = position;
-        u->row_begin = (int)rows, rows += (size_t)t->group[s], u->row_end = (int)rows;
+        u->first = first, first += t->width[s];
         u->width = t->width[s], u->height = t->height[s], u->parent = t->super_parent[s], u->child = -1;
-        u->panel = f->panel_size, f->panel_size += (size_t)u->width * (size_t)u->height;
-        if (u->height - u->width > f->widest) f->widest = u->height - u->width;
+        u->shift = u->width & ~7, u->ld = ((size_t)(u->height - u->shift) + 7) & ~(size_t)7;
+        u->panel = panels, panels += ((size_t)u->width * (size_t)u->height + YCI_OVERREAD + 7) & ~(size_t)7;
+        if (u->height > f->tallest) f->tallest = u->height;
         f->nonzeros += w * below + 0.5 * w * (w + 1.0);
         f->flops += (h * (h + 1.0) * (2.0 * h + 1.0) - below * (below + 1.0) * (2.0 * below + 1.0)) / 6.0;
     }
-    for (s = f->supers - 1; s >= 0; s--)
-        if (f->super[s].parent >= 0) {
-            yci_ldl_super *up = f->super + f->super[s].parent;
-            f->super[s].next = up->child, up->child = s;
-        } else f->super[s].next = -1;
-    for (i = 0; i < t->active; i++) f->start[i + 1] = f->start[i] + t->dim[t->node[i]];
-}
-
-/* Everything of the factor that depends on the plan's outcome. Returns 0 without memory. */
-static int yci_ldl_build(yci_context *c, yci_ldl *f, yci_ldl_plan *t) {
-    int i, s, most = 0, ok, *sorted;
-    double rows = 0.0;
-    size_t total, active = (size_t)t->active;
-    f->active = t->active, f->supers = t->groups;
-    for (s = 0; s < f->supers; s++) rows += t->group[s];
-    if (rows > (double)INT_MAX) return 0;
-    total = (size_t)rows;
-    f->node = YCI_NEW(c, int, active), f->offset = YCI_NEW(c, int, active), f->start = YCI_NEW(c, int, active + 1);
-    f->super = YCI_NEW(c, yci_ldl_super, f->supers), f->entry_begin = YCI_NEW(c, int, active + 1);
-    f->entry = YCI_NEW(c, yci_ldl_entry, ((size_t)t->ptr[t->n] + (size_t)t->n) / 2 + 1);
-    f->row = YCI_NEW(c, int, total), f->rel = YCI_NEW(c, int, total);
-    if (!f->node || !f->offset || !f->start || !f->super || !f->entry_begin || !f->entry || !f->row || !f->rel)
-        return 0;
-    yci_ldl_measure(f, t);
-    yci_ldl_place_updates(f, t->work);
-    f->panel = YCI_NEW(c, double, f->panel_size), f->update = YCI_NEW(c, double, f->update_size);
-    for (s = 0; s < f->supers; s++)
-        if (f->super[s].height > most) most = f->super[s].height;
-    f->packed = YCI_NEW(c, double, ((size_t)most + 8) * YCI_LU_PANEL);
-    f->scaled = YCI_NEW(c, double, ((size_t)most + 8) * YCI_LU_PANEL);
-    f->within = YCI_NEW(c, double, YCI_LU_PANEL *YCI_LU_PANEL);
-    sorted = YCI_NEW(c, int, total);
-    ok = f->panel && f->update && f->packed && f->scaled && f->within && sorted;
-    if (ok) {
-        yci_ldl_rows(f, t, sorted);
-        yci_ldl_maps(f, t);
-        for (i = 0; i < t->n; i++) t->head[i] = f->size, f->size += t->dim[i];
-        for (i = 0; i < t->active; i++) f->node[i] = t->node[i], f->offset[i] = t->head[t->node[i]];
+    f->super[s].first = first, f->super[s].panel = panels;
+    for (s = f->supers - 1; s >= 0; s--) {
+        yci_ldl_super *u = f->super + s;
+        u->next = -1;
+        if (u->parent >= 0) u->next = f->super[u->parent].child, f->super[u->parent].child = s;
     }
-    yci_free(c, sorted);
-    return ok;
 }
 
-/* Analyses a full symmetric pattern with its diagonal (as of yci_bsr). `order` names the node eliminated k-th, or is
- * NULL for minimum degree. Nothing of the arguments is kept. On failure *out is NULL. */
-static yc_result yci_ldl_analyze(
-    yci_context *c, int n, const int *dim, const int *ptr, const int *col, const int *order, yci_ldl **out) {
+/* Cuts subtrees off the tree until none of them is more than an eighth of the work: the tasks. What remains above them
+ * is factored after them. A host without threads gets no tasks. */
+static void yci_ldl_cut(yci_ldl *f) {
+    double *work;
+    int s, child, parallel = f->c->host.parallel_for != NULL;
+#ifdef _OPENMP
+    parallel = 1;
+#endif
+    if (!parallel || f->flops < 1e7 || !(work = YCI_RAW(f->c, double, f->supers))) return;
+    for (s = 0; s < f->supers; s++) {
+        double h = f->super[s].height, w = f->super[s].width;
+        work[s] = h * h * w;
+        for (child = f->super[s].child; child >= 0; child = f->super[child].next) work[s] += work[child];
+    }
+    for (s = 0; s < f->supers; s++) {
+        int up = f->super[s].parent, first = s;
+        double most = 0.125 * f->flops;
+        if (work[s] > most || (up >= 0 && work[up] <= most) || f->tasks == YCI_LDL_TASKS) continue;
+        while (f->super[first].child >= 0) first = f->super[first].child;
+        f->task[f->tasks][0] = first, f->task[f->tasks++][1] = s + 1;
+    }
+    yci_free(f->c, work);
+}
+
+/* Places of the update matrices: a supernode at an even depth of the tree keeps its own at the low end of a region, one
+ * at an odd depth at the high end, so a front can be filled while its children's matrices, at the other end, are read.
+ * In postorder each end is a stack. Every task has its region, and what is above the tasks has one. */
+static size_t yci_ldl_place_updates(yci_ldl *f) {
+    size_t end[2][YCI_LDL_TASKS + 1], most[YCI_LDL_TASKS + 1], begin[YCI_LDL_TASKS + 1], total = 0;
+    int s, child, k;
+    for (k = 0; k <= f->tasks; k++) end[0][k] = end[1][k] = most[k] = 0;
+    for (s = f->supers - 1; s >= 0; s--) {
+        yci_ldl_super *u = f->super + s;
+        u->side = u->parent < 0 ? 0 : 1 - f->super[u->parent].side;
+        u->region = f->tasks;
+    }
+    for (k = 0; k < f->tasks; k++)
+        for (s = f->task[k][0]; s < f->task[k][1]; s++) f->super[s].region = k;
+    for (s = 0; s < f->supers; s++) {
+        yci_ldl_super *u = f->super + s;
+        k = u->region;
+        u->update = end[u->side][k], end[u->side][k] += yci_ldl_update_size(u);
+        if (end[0][k] + end[1][k] > most[k]) most[k] = end[0][k] + end[1][k];
+        for (child = u->child; child >= 0; child = f->super[child].next)
+            if (f->super[child].region == k) end[1 - u->side][k] -= yci_ldl_update_size(f->super + child);
+    }
+    for (k = 0; k <= f->tasks; k++) begin[k] = total, total += most[k];
+    for (s = 0; s < f->supers; s++) {
+        yci_ldl_super *u = f->super + s;
+        if (u->side) u->update = most[u->region] - u->update - yci_ldl_update_size(u);
+        u->update += begin[u->region];
+    }
+    return total;
+}
+
+/* The nodes in the rows of every front below its own, from the matrix and the children, then all of them sorted at
+ * once by exchanging rows and columns twice. `begin` (supers + 1) tells where each front's are in `rows`. */
+static void yci_ldl_rows(const yci_ldl *f, yci_ldl_plan *t, int *begin, int *rows, int *sorted) {
+    int s, i, k, child, first = 0, last, *start = t->work, *mark = t->count;
+    for (i = 0; i < t->active; i++) mark[i] = -1, start[i] = 0;
+    for (s = 0, begin[0] = 0; s < f->supers; s++, first = last) {
+        int used = begin[s];
+        for (last = first; last < t->active && t->super_of[last] == s;) last++;
+        for (i = first; i < last; i++) {
+            int v = t->node[i];
+            for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) {
+                int r = t->pos[t->col[k]];
+                if (r >= last && mark[r] != s) mark[r] = s, rows[used++] = r, start[r]++;
+            }
+        }
+        for (child = f->super[s].child; child >= 0; child = f->super[child].next)
+            for (k = begin[child]; k < begin[child + 1]; k++) {
+                int r = rows[k];
+                if (r >= last && mark[r] != s) mark[r] = s, rows[used++] = r, start[r]++;
+            }
+        begin[s + 1] = used;
+    }
+    for (i = 0, k = 0; i < t->active; i++) k += start[i], start[i] = k - start[i];
+    for (s = 0; s < f->supers; s++)
+        for (k = begin[s]; k < begin[s + 1]; k++) sorted[start[rows[k]]++] = s;
+    for (s = 0; s < f->supers; s++) t->head[s] = begin[s];
+    for (i = 0, k = 0; i < t->active; i++)
+        for (; k < start[i]; k++) rows[t->head[sorted[k]]++] = i;
+}
+
+/* Sorts the runs by supernode. Their `to` and `step` become row and column in elimination order. */
+static void yci_ldl_sort_runs(yci_ldl *f, const yci_ldl_run *given, int count, const int *rank, const int *super_at) {
+    int k, s, total = 0;
+    for (s = 0; s <= f->supers; s++) f->super[s].run = 0;
+    for (k = 0; k < count; k++) {
+        int i = rank[given[k].to], j = rank[given[k].step];
+        f->super[super_at[i < j ? i : j]].run++;
+    }
+    for (s = 0; s <= f->supers; s++) total += f->super[s].run, f->super[s].run = total;
+    for (k = count - 1; k >= 0; k--) {
+        yci_ldl_run run = given[k];
+        run.to = rank[run.to], run.step = rank[run.step];
+        f->run[--f->super[super_at[run.to < run.step ? run.to : run.step]].run] = run;
+    }
+}
+
+/* Where everything goes: the caller's values in the panels, children's rows in their parents' fronts. `where` (size)
+ * holds a row's place in the front at hand. */
+static void yci_ldl_maps(yci_ldl *f, int *where) {
+    int s, i, k, child, chunks = 0;
+    for (s = 0; s < f->supers; s++) {
+        yci_ldl_super *u = f->super + s;
+        int below = u->height - u->width;
+        for (i = 0; i < u->width; i++) where[u->first + i] = i;
+        for (i = 0; i < below; i++) where[f->row[u->row + i]] = u->width + i;
+        for (child = u->child; child >= 0; child = f->super[child].next) {
+            yci_ldl_super *v = f->super + child;
+            int rows = v->height - v->width, *rel = f->rel + v->row, *chunk = f->chunk + chunks, at = 0;
+            v->chunk = chunks, v->inside = 0;
+            for (k = 0; k < rows; k++) {
+                int place = rel[k] = where[f->row[v->row + k]];
+                if (place < u->width) v->inside = k + 1;
+                for (; at <= place / 8 - rel[0] / 8; at++) chunk[at] = k << 8;
+                chunk[at - 1] |= 1 << (place & 7);
+            }
+            v->chunks = at, chunks += at;
+        }
+        for (k = u[0].run; k < u[1].run; k++) {
+            yci_ldl_run *run = f->run + k;
+            int row = run->to, column = run->step, flip = row < column;
+            run->step = flip ? 1 : u->height;
+            run->to =
+                flip ? (row - u->first) * u->height + where[column] : (column - u->first) * u->height + where[row];
+        }
+    }
+}
+
+/* Everything of the factor that depends on the plan's outcome, but for L itself. Returns 0 without memory. */
+static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, int run_count) {
+    yci_context *c = f->c;
+    size_t n = (size_t)f->size, node_rows = 0, rows = 0, chunks = 0;
+    int *block, *rank, *super_at, *where, *begin, *node_row, *sorted, s, i, k, a, at = 0, widest = 0;
+    f->supers = t->groups, f->nodes = t->n;
+    for (s = 0; s < f->supers; s++) node_rows += (size_t)t->group[s], rows += (size_t)(t->height[s] - t->width[s]);
+    if (rows > INT_MAX) return 0;
+    f->super = YCI_RAW(c, yci_ldl_super, f->supers + 1), f->task = (int(*)[2])YCI_RAW(c, int, 2 * YCI_LDL_TASKS);
+    block = YCI_RAW(c, int, 3 * n + (size_t)f->supers + 1 + 2 * node_rows);
+    f->unknown = YCI_RAW(c, int, n), f->dim = YCI_NEW(c, unsigned char, n);
+    f->row = YCI_RAW(c, int, rows), f->rel = YCI_RAW(c, int, rows);
+    f->run = YCI_RAW(c, yci_ldl_run, run_count);
+    if (!f->spd) f->back = YCI_RAW(c, unsigned char, n);
+    if ((f->spd || f->back) && f->super && f->task && block && f->unknown && f->dim && f->row && f->rel && f->run) {
+        rank = block, super_at = rank + n, where = super_at + n, begin = where + n;
+        node_row = begin + f->supers + 1, sorted = node_row + node_rows;
+        yci_ldl_measure(f, t);
+        yci_ldl_rows(f, t, begin, node_row, sorted);
+        for (i = 0, k = 0; i < t->n; i++) t->head[i] = k, k += t->dim[i];
+        for (i = 0; i < t->active; i++) {
+            int v = t->node[i];
+            t->next[i] = at, f->dim[at] = (unsigned char)t->dim[v];
+            for (a = 0; a < t->dim[v]; a++, at++)
+                f->unknown[at] = t->head[v] + a, rank[t->head[v] + a] = at, super_at[at] = t->super_of[i];
+        }
+        for (s = 0, at = 0; s < f->supers; s++) {
+            yci_ldl_super *u = f->super + s;
+            u->row = at;
+            for (k = begin[s]; k < begin[s + 1]; k++)
+                for (a = 0, i = t->next[node_row[k]]; a < t->dim[t->node[node_row[k]]]; a++) f->row[at++] = i + a;
+            if (u->width > widest) widest = u->width;
+            if (u->parent >= 0 && at > u->row) chunks += (size_t)f->super[u->parent].height / 8 + 1;
+        }
+        f->super[s].row = at;
+        for (s = 0; s < f->supers && f->back; s++)
+            for (k = 0; k < f->super[s].width; k += a) {
+                const unsigned char *dim = f->dim + f->super[s].first + k;
+                a = yci_panel_nodes(dim, f->super[s].width - k), f->back[dim - f->dim + a - 1] = (unsigned char)a;
+            }
+        yci_ldl_cut(f);
+        f->update_size = yci_ldl_place_updates(f);
+        yci_ldl_sort_runs(f, run, run_count, rank, super_at);
+        f->chunk = YCI_RAW(c, int, chunks);
+        if (f->chunk) yci_ldl_maps(f, where);
+    }
+    yci_free(c, block);
+    f->reference_size = (size_t)widest * (f->spd ? 1 : YCI_BLOCK_MAX);
+    f->scaled_size = f->spd ? 0 : (size_t)(f->tallest + YCI_OVERREAD) * YCI_LDL_STEP;
+    return f->chunk != NULL;
+}
+
+/* Analyses a full symmetric pattern of nodes with its diagonal (as of yci_bsr). `order` names the node eliminated k-th,
+ * or is NULL for the library's choice. The runs give all values on and below the caller's diagonal, in any order; each
+ * stays within the columns of one node. Nothing of the arguments is kept. On failure *out is NULL. */
+static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const int *ptr, const int *col,
+    const int *order, int spd, const yci_ldl_run *run, size_t run_count, yci_ldl **out) {
     yci_ldl_plan t;
     yci_ldl *f = YCI_NEW(c, yci_ldl, 1);
     size_t size = (size_t)n + 1;
@@ -2574,9 +2835,9 @@ static yc_result yci_ldl_analyze(
     *out = NULL;
     memset(&t, 0, sizeof t);
     t.zeros = YCI_NEW(c, double, size);
-    ok = f && block && t.zeros;
-    if (f) f->c = c;
+    ok = f && block && t.zeros && run_count <= INT_MAX && (f->order = YCI_RAW(c, int, n)) != NULL;
     if (ok) {
+        f->c = c, f->kernels = yci_kernels_best(), f->spd = spd;
         t.n = n, t.dim = dim, t.ptr = ptr, t.col = col;
         t.node = at, t.pos = at += size, t.parent = at += size, t.post = at += size, t.head = at += size;
         t.next = at += size, t.work = at += size, t.count = at += size, t.weight = at += size;
@@ -2588,7 +2849,7 @@ static yc_result yci_ldl_analyze(
             int v = order ? order[i] : at[i];
             if (v < 0 || v >= n || t.work[v]++)
                 result = YCI_FAIL(c, YC_ERROR_ARGUMENT, "elimination order: entry %d is %d, of %d nodes", i, v, n);
-            else if (dim[v]) t.pos[v] = t.active, t.node[t.active++] = v;
+            else if (dim[v]) t.pos[v] = t.active, t.node[t.active++] = v, f->size += dim[v];
         }
     }
     if (ok && result == YC_OK) {
@@ -2600,264 +2861,305 @@ static yc_result yci_ldl_analyze(
         yci_ldl_fundamental(&t);
         yci_ldl_amalgamate(&t);
         yci_ldl_regroup(&t);
-        ok = yci_ldl_build(c, f, &t);
+        ok = yci_ldl_build(f, &t, run, (int)run_count);
     }
     yci_free(c, block), yci_free(c, t.zeros);
     if (ok && result == YC_OK) {
         *out = f;
         return YC_OK;
     }
+    if (f) f->c = c;
     yci_ldl_destroy(f);
     return ok ? result : yci_out_of_memory(c, "a sparse factorisation");
 }
 
+/* The same for a block matrix, whose values yci_ldl_factor is then given. */
+static yc_result yci_ldl_analyze_bsr(yci_context *c, const yci_bsr *m, const int *order, int spd, yci_ldl **out) {
+    size_t count = 0, used = 0;
+    int i, k, a;
+    yci_ldl_run *run;
+    yc_result result;
+    *out = NULL;
+    for (i = 0; i < m->n; i++) count += (size_t)m->dim[i] * (size_t)(m->diag[i] - m->ptr[i] + 1);
+    run = YCI_RAW(c, yci_ldl_run, count);
+    if (!run || m->at[m->ptr[m->n]] > INT_MAX) {
+        yci_free(c, run);
+        return yci_out_of_memory(c, "a sparse factorisation");
+    }
+    for (i = 0; i < m->n; i++)
+        for (k = m->ptr[i]; k <= m->diag[i]; k++)
+            for (a = 0; a < m->dim[i] && m->dim[m->col[k]]; a++, used++) {
+                int j = m->col[k], columns = m->dim[j];
+                run[used].from = (int)m->at[k] + a * columns, run[used].count = k == m->diag[i] ? a + 1 : columns;
+                run[used].to = m->off[i] + a, run[used].step = m->off[j];
+            }
+    result = yci_ldl_analyze(c, m->n, m->dim, m->ptr, m->col, order, spd, run, used, out);
+    yci_free(c, run);
+    return result;
+}
+
 /* ------------------------------------------------------------------------------------ direct: numbers and solve --- */
 
-/* One panel of columns [begin, end) of a front whose first `width` columns are in `panel`, the rest in `update`. Rows
- * and columns from `end` on go in groups of four, starting anew at `width`, where the other array begins. */
-typedef struct yci_ldl_front {
-    yci_ldl *f;
-    double *panel, *update;
-    int width, height, begin, end;
-    int inner, groups; /* groups before `width`; all groups */
-} yci_ldl_front;
-
-static int yci_ldl_group(const yci_ldl_front *front, int group, int *count) {
-    int start = group < front->inner ? front->end + 4 * group : front->width + 4 * (group - front->inner);
-    int limit = group < front->inner ? front->width : front->height;
-    *count = limit - start < 4 ? limit - start : 4;
-    return start;
+/* Adds the columns of a child's update matrix that fall into its parent's panel (part 0), or the others (part 1). */
+static void yci_ldl_extend(const yci_ldl *f, const yci_ldl_super *child, const yci_ldl_super *s, int part) {
+    yci_expansion e;
+    int begin = part ? child->inside : 0;
+    e.count = (part ? child->height - child->width : child->inside) - begin;
+    if (e.count == 0) return;
+    e.place = f->rel + child->row + begin, e.chunk = f->chunk + child->chunk;
+    e.chunks = child->chunks, e.base = f->rel[child->row] / 8;
+    e.source = f->update + child->update + (size_t)begin * child->ld + (child->width - child->shift);
+    e.source_ld = child->ld;
+    e.target = part ? f->update + s->update : f->panel + s->panel, e.target_ld = part ? s->ld : (size_t)s->height;
+    e.column = part ? s->width : 0, e.row = part ? s->shift : 0;
+    f->kernels->expand(&e);
 }
 
-/* L(:, columns) = W inverse(D) for the rows below a node's block, in place; W and L are packed on the way. */
-YC_FN void yci_ldl_scale(
-    int d, int rows, double *w, size_t ld, const double *inverse, double *packed, double *scaled, int steps) {
-    int i, a, b;
-    for (i = 0; i < rows; i++) {
-        double t[YCI_BLOCK_MAX];
-        size_t at = (size_t)(i / 4) * 4 * (size_t)steps + (size_t)(i % 4);
-        for (a = 0; a < d; a++) scaled[at + (size_t)(4 * a)] = t[a] = w[(size_t)a * ld + (size_t)i];
-        for (a = 0; a < d; a++) {
-            double sum = 0.0;
-            for (b = 0; b < d; b++) sum += inverse[a * d + b] * t[b];
-            packed[at + (size_t)(4 * a)] = w[(size_t)a * ld + (size_t)i] = sum;
-        }
+/* Fills the panel of a supernode: its own values, and what its children leave in its columns. Keeps what its pivots are
+ * before anything is subtracted from them. */
+static void yci_ldl_assemble(const yci_ldl *f, const yci_ldl_super *s, const double *value, double *reference) {
+    double *panel = f->panel + s->panel;
+    size_t h = (size_t)s->height;
+    int k, i, a, b, d, child;
+    memset(panel, 0, (size_t)(s[1].panel - s->panel) * sizeof *panel);
+    for (k = s->run; k < s[1].run; k++) {
+        const double *from = value + f->run[k].from;
+        double *to = panel + f->run[k].to;
+        size_t step = (size_t)f->run[k].step;
+        for (i = 0; i < f->run[k].count; i++) to[(size_t)i * step] = from[i];
     }
-}
-
-static void yci_ldl_scale_rows(
-    const yci_ldl_front *front, int from, int to, int group, int column, int d, const double *inverse) {
-    int steps = front->end - front->begin, k = column - front->begin;
-    size_t h = (size_t)front->height, at = (size_t)group * 4 * (size_t)steps + (size_t)(4 * k);
-    double *w = front->panel + (size_t)column * h + from;
-    double *packed = front->f->packed + at, *scaled = front->f->scaled + at;
-    if (d == 3) yci_ldl_scale(3, to - from, w, h, inverse, packed, scaled, steps);
-    else if (d == 1) yci_ldl_scale(1, to - from, w, h, inverse, packed, scaled, steps);
-    else yci_ldl_scale(d, to - from, w, h, inverse, packed, scaled, steps);
-}
-
-/* Factors one node of the panel: subtracts the panel's earlier columns from its columns, inverts its diagonal block,
- * and divides the rows below by it. `own` is the node's diagonal block before anything was subtracted. Returns 0 when
- * the block has no inverse (or, for spd, is not positive definite). */
-static int yci_ldl_node(const yci_ldl_front *front, int column, int d, const double *own, int spd) {
-    yci_ldl *f = front->f;
-    size_t h = (size_t)front->height;
-    double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX] = {0.0}, inverse[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
-    double *corner = front->panel + (size_t)column * h + column;
-    int a, b, i, k = column - front->begin;
-    for (a = 0; a < d; a++)
-        yci_dense_subtract(front->height - column, k, front->panel + (size_t)front->begin * h + column, h,
-            f->within + (k + a) * YCI_LU_PANEL, corner + (size_t)a * h);
-    for (a = 0; a < d; a++)
-        for (b = 0; b <= a; b++) block[a * d + b] = block[b * d + a] = corner[(size_t)b * h + (size_t)a];
-    if (spd ? !yci_block_invert_spd(d, block, own, d + 1, inverse) : !(yci_block_invert(d, block, own, inverse) > 0.0))
-        return 0;
-    for (a = 0; a < d; a++) {
-        for (i = column + d; i < front->end; i++)
-            f->within[(i - front->begin) * YCI_LU_PANEL + k + a] = corner[(size_t)a * h + (size_t)(i - column)];
-        for (b = 0; b < d; b++) corner[(size_t)a * h + (size_t)b] = inverse[a * d + b];
+    for (i = 0; i < s->width; i += d) {
+        const double *corner = panel + (size_t)i * (h + 1);
+        d = f->spd ? 1 : f->dim[s->first + i];
+        for (a = 0; a < d; a++)
+            for (b = 0; b < d; b++) *reference++ = corner[a > b ? b * (int)h + a : a * (int)h + b];
     }
-    for (i = d; i < front->end - column; i++) {
-        double t[YCI_BLOCK_MAX];
-        for (a = 0; a < d; a++) t[a] = corner[(size_t)a * h + (size_t)i];
-        for (a = 0; a < d; a++) {
-            double sum = 0.0;
-            for (b = 0; b < d; b++) sum += inverse[a * d + b] * t[b];
-            corner[(size_t)a * h + (size_t)i] = sum;
-        }
-    }
-    yci_ldl_scale_rows(front, front->end, front->width, 0, column, d, inverse);
-    yci_ldl_scale_rows(front, front->width, front->height, front->inner, column, d, inverse);
-    return 1;
+    for (child = s->child; child >= 0; child = f->super[child].next) yci_ldl_extend(f, f->super + child, s, 0);
 }
 
-/* F22 -= L21 W21' for groups [first, last) of columns, at and below the diagonal. */
-static void yci_ldl_update(void *arg, int first, int last) {
-    const yci_ldl_front *front = (const yci_ldl_front *)arg;
-    int steps = front->end - front->begin, below = front->height - front->width, i, j;
-    for (j = first; j < last; j++) {
-        int columns, column = yci_ldl_group(front, j, &columns), inside = j < front->inner;
-        int shift = inside ? 0 : front->width;
-        size_t ld = (size_t)(inside ? front->height : below);
-        double *target = (inside ? front->panel : front->update) + (size_t)(column - shift) * ld;
-        const double *scaled = front->f->scaled + (size_t)j * 4 * (size_t)steps;
-        for (i = j; i < front->groups; i++) {
-            int rows, row = yci_ldl_group(front, i, &rows);
-            yci_dense_tile(steps, front->f->packed + (size_t)i * 4 * (size_t)steps, scaled, target + (row - shift), ld,
-                rows, columns);
+/* Columns [begin, end) of a front have been factored; what they take from the columns behind them. */
+typedef struct yci_ldl_trail {
+    const yci_ldl *f;
+    const yci_ldl_super *s;
+    const double *scaled;         /* L D of the columns, from row `begin` on */
+    int begin, end, inner, group; /* inner: groups of columns that are in the panel */
+} yci_ldl_trail;
+
+static void yci_ldl_trail_columns(void *arg, int first, int last) {
+    const yci_ldl_trail *t = (const yci_ldl_trail *)arg;
+    const yci_ldl_super *s = t->s;
+    size_t h = (size_t)s->height;
+    const double *l = t->f->panel + s->panel + (size_t)t->begin * h, *ld = t->scaled - t->begin;
+    int q, j, k = t->end - t->begin;
+    for (q = first; q < last; q++) {
+        int inside = q < t->inner, column = inside ? t->end + q * t->group : s->width + (q - t->inner) * t->group;
+        int limit = inside ? s->width : s->height, shift = inside ? 0 : s->shift, origin = inside ? 0 : s->width;
+        size_t ldc = inside ? h : s->ld;
+        double *c = (inside ? t->f->panel + s->panel : t->f->update + s->update) - shift;
+        if (limit > column + t->group) limit = column + t->group;
+        for (j = column; j < limit; j += YCI_PANEL) { /* rows down to the group's last, then below */
+            int n = limit - j < YCI_PANEL ? limit - j : YCI_PANEL, from = inside ? j : j & ~7, to = (limit + 7) & ~7;
+            if (to > s->height) to = s->height;
+            t->f->kernels->product(to - from, n, k, l + from, h, ld + j, h, c + (size_t)(j - origin) * ldc + from, ldc,
+                inside || t->begin);
         }
+        j = (limit + 7) & ~7;
+        if (j < s->height)
+            t->f->kernels->product(s->height - j, limit - column, k, l + j, h, ld + column, h,
+                c + (size_t)(column - origin) * ldc + j, ldc, inside || t->begin);
     }
 }
 
-/* Adds a child's update matrix (its lower triangle) to the front. Rows that stay neighbours are added as one run. */
-static void yci_ldl_extend(const yci_ldl *f, const yci_ldl_super *child, const yci_ldl_front *front) {
-    int rows = child->height - child->width, below = front->height - front->width, j, i, a, b;
-    const double *from = f->update + child->update;
-    int column = 0;
-    for (j = child->row_begin; j < child->row_end; j++) {
-        int d = f->start[f->row[j] + 1] - f->start[f->row[j]], to = f->rel[j], inside = to < front->width;
-        size_t ld = (size_t)(inside ? front->height : below);
-        int shift = inside ? 0 : front->width, at = column;
-        double *target = (inside ? front->panel : front->update) + (size_t)(to - shift) * ld;
-        for (i = j; i < child->row_end;) {
-            int run = 0, place = f->rel[i];
-            while (i < child->row_end && f->rel[i] == place + run)
-                run += f->start[f->row[i] + 1] - f->start[f->row[i]], i++;
-            for (a = 0; a < d; a++) {
-                double *y = target + (size_t)a * ld + (place - shift);
-                const double *x = from + (size_t)(column + a) * (size_t)rows + at;
-                for (b = 0; b < run; b++) y[b] += x[b];
-            }
-            at += run;
+/* Assembles and factors the front of supernode s. Returns the column that failed, or -1. */
+static int yci_ldl_front(yci_ldl *f, int index, const double *value, int alone) {
+    yci_ldl_super *s = f->super + index;
+    yci_ldl_trail t;
+    size_t h = (size_t)s->height, slot = (size_t)s->region;
+    double *reference = f->reference + slot * f->reference_size;
+    int i, items, child, bad;
+    yci_ldl_assemble(f, s, value, reference);
+    t.f = f, t.s = s, s->repaired = 0;
+    for (t.begin = t.end = 0; t.begin < s->width; t.begin = t.end) {
+        double *corner = f->panel + s->panel + (size_t)t.begin * (h + 1);
+        int rows = s->height - t.begin;
+        if (f->spd) {
+            t.end = s->width - t.begin > YCI_LDL_STEP ? t.begin + YCI_LDL_STEP : s->width;
+            t.scaled = corner;
+            bad = yci_panel_cholesky(f->kernels, rows, t.end - t.begin, corner, h, reference + t.begin);
+        } else {
+            double *scaled = f->scaled + slot * f->scaled_size;
+            for (i = t.begin; i < s->width && i + f->dim[s->first + i] - t.begin <= YCI_LDL_STEP;)
+                i += f->dim[s->first + i];
+            t.end = i, t.scaled = scaled;
+            bad = yci_panel_indefinite(f->kernels, rows, t.end - t.begin, corner, h, f->dim + s->first + t.begin,
+                reference, f->shift, scaled, &s->repaired);
+            for (i = t.begin; i < t.end; i += f->dim[s->first + i])
+                reference += f->dim[s->first + i] * f->dim[s->first + i];
         }
-        column += d;
+        if (bad >= 0) return s->first + t.begin + bad;
+        t.group = s->height - t.end > 256 ? 32 : 8;
+        t.inner = (s->width - t.end + t.group - 1) / t.group;
+        items = t.inner + (s->height - s->width + t.group - 1) / t.group;
+        if (alone)
+            yci_parallel(
+                f->c, items, 1 + 65536 / (1 + (t.end - t.begin) * (s->height - t.end)), yci_ldl_trail_columns, &t);
+        else yci_ldl_trail_columns(&t, 0, items);
     }
-}
-
-/* Assembles and factors one supernode. Returns the position that failed, or -1. */
-static int yci_ldl_super_factor(yci_ldl *f, const yci_ldl_super *s, const double *val, const size_t *at, int spd) {
-    yci_ldl_front front;
-    size_t h = (size_t)s->height, below = (size_t)(s->height - s->width);
-    int i, k, a, b, child, position = s->first;
-    front.f = f, front.width = s->width, front.height = s->height;
-    front.panel = f->panel + s->panel, front.update = f->update + s->update;
-    memset(front.panel, 0, (size_t)s->width * h * sizeof(double));
-    memset(front.update, 0, below * below * sizeof(double));
-    for (i = s->first; i < s->last; i++) {
-        int d = f->start[i + 1] - f->start[i];
-        double *columns = front.panel + (size_t)(f->start[i] - f->start[s->first]) * h;
-        for (k = f->entry_begin[i]; k < f->entry_begin[i + 1]; k++) {
-            const double *x = val + at[f->entry[k].block];
-            double *y = columns + f->entry[k].row;
-            int rows = f->entry[k].rows;
-            for (a = 0; a < d; a++)
-                for (b = 0; b < rows; b++) y[(size_t)a * h + (size_t)b] = x[a * rows + b];
-        }
-    }
-    for (child = s->child; child >= 0; child = f->super[child].next) yci_ldl_extend(f, f->super + child, &front);
-    for (front.begin = 0; front.begin < s->width; front.begin = front.end) {
-        int first = position, column = front.begin, work;
-        front.end = front.begin;
-        while (position < s->last && f->start[position + 1] - f->start[first] <= YCI_LU_PANEL)
-            front.end = front.begin + f->start[++position] - f->start[first];
-        front.inner = (s->width - front.end + 3) / 4, front.groups = front.inner + (s->height - s->width + 3) / 4;
-        for (i = first; i < position; i++) {
-            int d = f->start[i + 1] - f->start[i];
-            if (!yci_ldl_node(&front, column, d, val + at[f->entry[f->entry_begin[i]].block], spd)) return i;
-            column += d;
-        }
-        work = 1 + (front.end - front.begin) * (front.groups + 1);
-        yci_parallel(f->c, front.groups, 1 + 16384 / work, yci_ldl_update, &front);
-    }
+    for (child = s->child; child >= 0; child = f->super[child].next) yci_ldl_extend(f, f->super + child, s, 1);
     return -1;
 }
 
-/* Factors the matrix with these values: val[at[k]] starts block k of the analysed pattern. Both triangles must hold the
- * same matrix; which of two mirrored blocks is read depends on the ordering. After a failure there is no factor. */
-static yc_result yci_ldl_factor(yci_ldl *f, const double *val, const size_t *at, int spd) {
-    int s;
-    f->factored = 0;
-    for (s = 0; s < f->supers; s++) {
-        int bad = yci_ldl_super_factor(f, f->super + s, val, at, spd);
-        if (bad >= 0 && spd)
-            return YCI_FAIL(f->c, YC_ERROR_NOT_SPD, "the matrix is not positive definite at node %d", f->node[bad]);
-        if (bad >= 0) return YCI_FAIL(f->c, YC_ERROR_SINGULAR, "the matrix is singular at node %d", f->node[bad]);
+typedef struct yci_ldl_job {
+    yci_ldl *f;
+    const double *value;
+    int bad[YCI_LDL_TASKS];
+} yci_ldl_job;
+
+static void yci_ldl_tasks(void *arg, int first, int last) {
+    yci_ldl_job *job = (yci_ldl_job *)arg;
+    int k, s;
+    for (k = first; k < last; k++) {
+        job->bad[k] = -1;
+        for (s = job->f->task[k][0]; s < job->f->task[k][1] && job->bad[k] < 0; s++)
+            job->bad[k] = yci_ldl_front(job->f, s, job->value, 0);
     }
+}
+
+/* Factors as far as possible. Returns the first column that fails, or -1. */
+static int yci_ldl_columns(yci_ldl *f, const double *value) {
+    yci_ldl_job job;
+    int k, s, bad = -1;
+    job.f = f, job.value = value;
+    yci_parallel(f->c, f->tasks, 1, yci_ldl_tasks, &job);
+    for (k = f->tasks - 1; k >= 0; k--)
+        if (job.bad[k] >= 0) bad = job.bad[k];
+    for (s = 0; s < f->supers && (bad < 0 || f->super[s].first < bad); s++)
+        if (f->super[s].region == f->tasks) {
+            int own = yci_ldl_front(f, s, value, 1);
+            if (own >= 0) bad = own;
+        }
+    return bad;
+}
+
+/* Room for L and the update matrices, which nobody needs before the first factorisation. */
+static int yci_ldl_room(yci_ldl *f) {
+    size_t sets = (size_t)f->tasks + 1;
+    if (f->panel) return 1;
+    f->update = YCI_RAW(f->c, double, f->update_size + YCI_OVERREAD);
+    f->reference = YCI_RAW(f->c, double, sets * f->reference_size);
+    f->scaled = YCI_RAW(f->c, double, sets * f->scaled_size);
+    if (f->update && f->reference && f->scaled) f->panel = YCI_RAW(f->c, double, f->super[f->supers].panel);
+    if (f->panel) return 1;
+    yci_free(f->c, f->update), yci_free(f->c, f->reference), yci_free(f->c, f->scaled);
+    f->update = f->reference = f->scaled = NULL;
+    return 0;
+}
+
+/* Factors the matrix with these values, which the analysis was told where to find. The first call allocates L. After a
+ * failure there is no factor; the columns before f->pivots have one. */
+static yc_result yci_ldl_factor(yci_ldl *f, const double *value) {
+    int bad;
+    f->factored = f->pivots = 0;
+    if (!yci_ldl_room(f)) return yci_out_of_memory(f->c, "a sparse factor");
+    bad = yci_ldl_columns(f, value);
+    f->pivots = bad < 0 ? f->size : bad;
+    if (bad >= 0 && f->spd)
+        return YCI_FAIL(f->c, YC_ERROR_NOT_SPD, "the matrix is not positive definite at unknown %d, pivot %d of %d",
+            f->unknown[bad], bad, f->size);
+    if (bad >= 0)
+        return YCI_FAIL(f->c, YC_ERROR_SINGULAR, "the matrix is singular at unknown %d, pivot %d of %d",
+            f->unknown[bad], bad, f->size);
     f->factored = 1;
     return YC_OK;
 }
 
 /* Numbers of `work` for a solve. */
-static size_t yci_ldl_work(const yci_ldl *f, int count) { return (size_t)f->size * (size_t)count + (size_t)f->widest; }
+static size_t yci_ldl_work(const yci_ldl *f, int count) {
+    return ((size_t)f->size + (size_t)f->tallest + YCI_OVERREAD) * (size_t)count;
+}
 
-/* y := inverse(L) y on one supernode's rows. */
-static void yci_ldl_forward(const yci_ldl *f, const yci_ldl_super *s, double *y, double *below) {
-    const double *panel = f->panel + s->panel;
+/* z := inverse(L) z on one front; z (count arrays of ldz) holds its own unknowns, and zeros for the rows below. */
+static void yci_ldl_forward(const yci_ldl *f, const yci_ldl_super *s, double *z, size_t ldz, int count) {
     size_t h = (size_t)s->height;
-    double *own = y + f->start[s->first];
-    int i, k, a, d, column = 0, rows = s->height - s->width;
-    for (i = s->first; i < s->last; i++) {
-        d = f->start[i + 1] - f->start[i];
-        yci_dense_subtract(
-            s->width - column - d, d, panel + (size_t)column * h + column + d, h, own + column, own + column + d);
-        column += d;
-    }
-    for (i = 0; i < rows; i++) below[i] = 0.0;
-    yci_dense_subtract(rows, s->width, panel + s->width, h, own, below);
-    for (k = s->row_begin; k < s->row_end; k++) {
-        double *to = y + f->start[f->row[k]];
-        d = f->start[f->row[k] + 1] - f->start[f->row[k]];
-        for (a = 0; a < d; a++) to[a] += *below++;
+    const double *l = f->panel + s->panel;
+    int j, n, r;
+    for (j = 0; j < s->width; j += n, l += (size_t)n * (h + 1)) {
+        double t[YCI_RIGHT * YCI_PANEL];
+        n = f->spd ? yci_min_int(s->width - j, YCI_PANEL) : yci_panel_nodes(f->dim + s->first + j, s->width - j);
+        for (r = 0; r < count; r++)
+            if (f->spd) yci_corner_forward(n, l, h, z + (size_t)r * ldz + j, t + YCI_PANEL * r);
+            else yci_corner_forward_nodes(n, f->dim + s->first + j, l, h, z + (size_t)r * ldz + j, t + YCI_PANEL * r);
+        f->kernels->below(s->height - j - n, n, l + n, h, t, z + j + n, ldz, count);
     }
 }
 
-/* y := inverse(L') inverse(D) y on one supernode's unknowns. */
-static void yci_ldl_backward(const yci_ldl *f, const yci_ldl_super *s, double *y, double *below) {
-    const double *panel = f->panel + s->panel;
+/* z := inverse(L') z, or inverse(L') inverse(D) z; zeros follow what z holds. */
+static void yci_ldl_backward(const yci_ldl *f, const yci_ldl_super *s, double *z, size_t ldz, int count) {
     size_t h = (size_t)s->height;
-    double *own = y + f->start[s->first];
-    int i, k, a, b, d, column = 0, used = 0;
-    for (i = s->first; i < s->last; i++) {
-        double t[YCI_BLOCK_MAX];
-        d = f->start[i + 1] - f->start[i];
-        for (a = 0; a < d; a++) t[a] = own[column + a], own[column + a] = 0.0;
-        for (b = 0; b < d; b++)
-            for (a = 0; a < d; a++) own[column + a] += panel[(size_t)(column + b) * h + (size_t)(column + a)] * t[b];
-        column += d;
-    }
-    for (k = s->row_begin; k < s->row_end; k++) {
-        const double *from = y + f->start[f->row[k]];
-        d = f->start[f->row[k] + 1] - f->start[f->row[k]];
-        for (a = 0; a < d; a++) below[used++] = from[a];
-    }
-    yci_dense_subtract_transposed(used, s->width, panel + s->width, h, below, own);
-    for (i = s->last - 1; i >= s->first; i--) {
-        d = f->start[i + 1] - f->start[i], column -= d;
-        yci_dense_subtract_transposed(
-            s->width - column - d, d, panel + (size_t)column * h + column + d, h, own + column + d, own + column);
+    int j = s->width, n, r, i;
+    while (j > 0) {
+        double t[YCI_RIGHT * YCI_PANEL];
+        const double *l;
+        if (f->spd) n = (j - 1) % YCI_PANEL + 1;
+        else n = f->back[s->first + j - 1];
+        j -= n, l = f->panel + s->panel + (size_t)j * (h + 1);
+        for (r = 0; r < count; r++)
+            for (i = 0; i < n; i++) t[YCI_PANEL * r + i] = z[(size_t)r * ldz + (size_t)(j + i)];
+        f->kernels->above(s->height - j - n, n, l + n, h, t, z + j + n, ldz, count);
+        for (r = 0; r < count; r++)
+            if (f->spd) yci_corner_backward(n, l, h, t + YCI_PANEL * r, z + (size_t)r * ldz + j);
+            else yci_corner_backward_nodes(n, f->dim + s->first + j, l, h, t + YCI_PANEL * r, z + (size_t)r * ldz + j);
     }
 }
 
-/* x := inverse(A) x for `count` right-hand sides x[k*ld + i] in the caller's numbering. Needs a factor; `work` has
- * yci_ldl_work(f, count) numbers. */
-static void yci_ldl_solve(const yci_ldl *f, double *x, int count, int ld, double *work) {
-    size_t size = (size_t)f->size;
-    double *below = work + size * (size_t)count;
-    int s, i, k, a;
-    for (k = 0; k < count; k++)
-        for (i = 0; i < f->active; i++)
-            for (a = 0; a < f->start[i + 1] - f->start[i]; a++)
-                work[(size_t)k * size + (size_t)(f->start[i] + a)] =
-                    x[(size_t)k * (size_t)ld + (size_t)(f->offset[i] + a)];
-    for (s = 0; s < f->supers; s++)
-        for (k = 0; k < count; k++) yci_ldl_forward(f, f->super + s, work + (size_t)k * size, below);
-    for (s = f->supers - 1; s >= 0; s--)
-        for (k = 0; k < count; k++) yci_ldl_backward(f, f->super + s, work + (size_t)k * size, below);
-    for (k = 0; k < count; k++)
-        for (i = 0; i < f->active; i++)
-            for (a = 0; a < f->start[i + 1] - f->start[i]; a++)
-                x[(size_t)k * (size_t)ld + (size_t)(f->offset[i] + a)] =
-                    work[(size_t)k * size + (size_t)(f->start[i] + a)];
+/* x := inverse(A) x for at most YCI_RIGHT right-hand sides x[r * ldx + i] in the caller's numbering. Needs a factor;
+ * `work` has yci_ldl_work(f, count) numbers. */
+static void yci_ldl_solve_some(const yci_ldl *f, double *x, int count, size_t ldx, double *work) {
+    size_t n = (size_t)f->size, ldz = (size_t)f->tallest + YCI_OVERREAD;
+    double *z = work + n * (size_t)count;
+    int s, r, i;
+    for (r = 0; r < count; r++)
+        for (i = 0; i < f->size; i++) work[(size_t)r * n + (size_t)i] = x[(size_t)r * ldx + (size_t)f->unknown[i]];
+    for (s = 0; s < f->supers; s++) {
+        const yci_ldl_super *u = f->super + s;
+        const int *row = f->row + u->row;
+        int below = u->height - u->width;
+        for (r = 0; r < count; r++) {
+            double *own = work + (size_t)r * n + u->first, *to = z + (size_t)r * ldz;
+            for (i = 0; i < u->width; i++) to[i] = own[i];
+            for (; i < u->height; i++) to[i] = 0.0;
+        }
+        yci_ldl_forward(f, u, z, ldz, count);
+        for (r = 0; r < count; r++) {
+            double *y = work + (size_t)r * n, *own = y + u->first, *from = z + (size_t)r * ldz;
+            for (i = 0; i < u->width; i++) own[i] = *from++;
+            for (i = 0; i < below; i++) y[row[i]] += from[i];
+        }
+    }
+    for (s = f->supers - 1; s >= 0; s--) {
+        const yci_ldl_super *u = f->super + s;
+        const int *row = f->row + u->row;
+        int below = u->height - u->width;
+        for (r = 0; r < count; r++) {
+            double *y = work + (size_t)r * n, *own = y + u->first, *to = z + (size_t)r * ldz;
+            for (i = 0; i < u->width; i++) *to++ = own[i];
+            for (i = 0; i < below; i++) to[i] = y[row[i]];
+            for (; i < below + YCI_OVERREAD; i++) to[i] = 0.0;
+        }
+        yci_ldl_backward(f, u, z, ldz, count);
+        for (r = 0; r < count; r++)
+            for (i = 0; i < u->width; i++)
+                work[(size_t)r * n + (size_t)(u->first + i)] = z[(size_t)r * ldz + (size_t)i];
+    }
+    for (r = 0; r < count; r++)
+        for (i = 0; i < f->size; i++) x[(size_t)r * ldx + (size_t)f->unknown[i]] = work[(size_t)r * n + (size_t)i];
+}
+
+/* The same for any number of them; `work` is for the smaller of count and YCI_RIGHT. */
+static void yci_ldl_solve(const yci_ldl *f, double *x, int count, int ldx, double *work) {
+    int k;
+    for (k = 0; k < count; k += YCI_RIGHT)
+        yci_ldl_solve_some(f, x + (size_t)k * (size_t)ldx, yci_min_int(count - k, YCI_RIGHT), (size_t)ldx, work);
 }
 
 /* --------------------------------------------------------------------------------------------------- incomplete --- */
@@ -3056,14 +3358,10 @@ static void yci_ic_solve(const yci_ic *f, double *x) {
 
 /* ------------------------------------------------------------------------------------------------------- public --- */
 
-#define YCI_CHOL_TOGETHER 4 /* right-hand sides solved in one pass over L */
-
 struct yc_chol {
     yci_context context;
-    int n, spd;
+    int n, lower; /* lower: the pattern holds nothing above the diagonal */
     size_t entries;
-    size_t *to, *mirror; /* places of each value in the block matrix, in both triangles; entries above are skipped */
-    yci_bsr m;
     yci_ldl *ldl;
     double *work;
 };
@@ -3078,15 +3376,14 @@ YC_API void yc_chol_destroy(yc_chol *chol) {
     yci_context c;
     if (!chol) return;
     yci_ldl_destroy(chol->ldl);
-    yci_bsr_destroy(&chol->context, &chol->m);
-    yci_free(&chol->context, chol->to), yci_free(&chol->context, chol->mirror), yci_free(&chol->context, chol->work);
+    yci_free(&chol->context, chol->work);
     c = chol->context;
     yci_free(&c, chol);
 }
 
 /* A pattern is right when its rows ascend without duplicates and it is lower, or mirrored in full. `cursor` (n) walks
  * every row once: entry (i, j) must find (j, i) next in row j. */
-static yc_result yci_chol_check(yci_context *c, int n, const int *ptr, const int *col, int *cursor) {
+static yc_result yci_chol_check(yci_context *c, int n, const int *ptr, const int *col, int *cursor, int *lower) {
     int i, k, upper = 0;
     if (ptr[0] != 0) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[0] is %d", ptr[0]);
     for (i = 0; i < n; i++) {
@@ -3103,6 +3400,7 @@ static yc_result yci_chol_check(yci_context *c, int n, const int *ptr, const int
         }
         cursor[i] = ptr[i];
     }
+    *lower = !upper;
     for (i = 0; upper && i < n; i++)
         for (k = ptr[i]; k < ptr[i + 1]; k++) {
             int j = col[k];
@@ -3115,32 +3413,70 @@ static yc_result yci_chol_check(yci_context *c, int n, const int *ptr, const int
     return YC_OK;
 }
 
-/* The block pattern, the places of the values in it, and its analysis. `pair` and `dim` are work arrays. */
-static yc_result yci_chol_build(
-    yc_chol *chol, const int *ptr, const int *col, const yc_chol_options *options, int (*pair)[2], int *dim) {
-    yci_context *c = &chol->context;
-    const yci_bsr *m = &chol->m;
-    int b = options->block, nodes = chol->n / b, i, k;
-    size_t pairs = 0;
-    yc_result result;
-    for (i = 0; i < nodes; i++) dim[i] = b;
-    for (i = 0; i < chol->n; i++)
-        for (k = ptr[i]; k < ptr[i + 1]; k++)
-            if (col[k] / b < i / b) pair[pairs][0] = i / b, pair[pairs++][1] = col[k] / b;
-    result = yci_bsr_create(c, nodes, dim, (const int(*)[2])pair, pairs, &chol->m);
-    if (result != YC_OK) return result;
-    for (i = 0; i < chol->n; i++)
-        for (k = ptr[i]; k < ptr[i + 1]; k++) {
-            int j = col[k];
-            chol->to[k] = chol->mirror[k] = m->at[m->ptr[nodes]];
-            if (j > i) continue;
-            chol->to[k] = m->at[yci_bsr_find(m, i / b, j / b)] + (size_t)(i % b * b + j % b);
-            chol->mirror[k] = m->at[yci_bsr_find(m, j / b, i / b)] + (size_t)(j % b * b + i % b);
+/* The full symmetric pattern of nodes of b unknowns. Two passes, the first of which only counts: an entry below the
+ * diagonal is seen in its own row, once per node, and gives two. `seen` has one number per node; the caller gives room
+ * for `graph_col` between the passes, and NULL before. */
+static void yci_chol_graph(
+    int nodes, int b, const int *ptr, const int *col, int *seen, int *graph_ptr, int *graph_col) {
+    int i, k;
+    for (i = 0; i < nodes; i++) seen[i] = -1;
+    if (!graph_col)
+        for (i = 0; i <= nodes; i++) graph_ptr[i] = 0;
+    for (i = 0; i < nodes; i++) {
+        if (graph_col) graph_col[graph_ptr[i]] = i;
+        graph_ptr[i]++;
+        for (k = ptr[b * i]; k < ptr[b * (i + 1)]; k++) {
+            int j = b == 1 ? col[k] : col[k] / b;
+            if (j >= i || seen[j] == i) continue;
+            seen[j] = i;
+            if (graph_col) graph_col[graph_ptr[i]] = j, graph_col[graph_ptr[j]] = i;
+            graph_ptr[i]++, graph_ptr[j]++;
         }
-    result = yci_ldl_analyze(c, nodes, dim, m->ptr, m->col, options->order, &chol->ldl);
-    if (result != YC_OK) return result;
-    chol->work = YCI_NEW(c, double, yci_ldl_work(chol->ldl, YCI_CHOL_TOGETHER));
-    return chol->work ? YC_OK : yci_out_of_memory(c, "a solve's workspace");
+    }
+    if (!graph_col) { /* counts become beginnings; the second pass turns these into ends */
+        int total = 0;
+        for (i = 0; i <= nodes; i++) k = graph_ptr[i], graph_ptr[i] = total, total += k;
+    } else {
+        for (i = nodes; i > 0; i--) graph_ptr[i] = graph_ptr[i - 1];
+        graph_ptr[0] = 0;
+    }
+}
+
+/* The values of the lower triangle, those side by side within a node as one run. Returns the number of runs. */
+static size_t yci_chol_runs(int n, int b, const int *ptr, const int *col, yci_ldl_run *run) {
+    size_t used = 0;
+    int i, k, count;
+    for (i = 0; i < n; i++)
+        for (k = ptr[i]; k < ptr[i + 1] && col[k] <= i; k += count) {
+            int limit = b == 1 ? 1 : b - col[k] % b;
+            for (count = 1;
+                 count < limit && k + count < ptr[i + 1] && col[k + count] == col[k] + count && col[k + count] <= i;)
+                count++;
+            run[used].from = k, run[used].count = count, run[used].to = i, run[used++].step = col[k];
+        }
+    return used;
+}
+
+static yc_result yci_chol_build(yc_chol *chol, const int *ptr, const int *col, const yc_chol_options *options) {
+    yci_context *c = &chol->context;
+    int b = options->block, nodes = chol->n / b, i;
+    int *block = YCI_RAW(c, int, 3 * (size_t)nodes + 1), *dim = block, *graph_ptr = block + nodes, *graph_col = NULL;
+    yci_ldl_run *run = YCI_RAW(c, yci_ldl_run, ptr[chol->n]);
+    yc_result result = YC_ERROR_MEMORY;
+    if (block && run) {
+        yci_chol_graph(nodes, b, ptr, col, graph_ptr + nodes + 1, graph_ptr, NULL);
+        graph_col = YCI_RAW(c, int, graph_ptr[nodes]);
+    }
+    if (graph_col) {
+        yci_chol_graph(nodes, b, ptr, col, graph_ptr + nodes + 1, graph_ptr, graph_col);
+        for (i = 0; i < nodes; i++) dim[i] = b;
+        result = yci_ldl_analyze(c, nodes, dim, graph_ptr, graph_col, options->order, options->kind == YC_CHOL_SPD, run,
+            yci_chol_runs(chol->n, b, ptr, col, run), &chol->ldl);
+        if (result == YC_OK && !(chol->work = YCI_RAW(c, double, yci_ldl_work(chol->ldl, YCI_RIGHT))))
+            result = YC_ERROR_MEMORY;
+    }
+    yci_free(c, block), yci_free(c, run), yci_free(c, graph_col);
+    return result == YC_ERROR_MEMORY ? yci_out_of_memory(c, "a sparse factorisation") : result;
 }
 
 YC_API yc_result yc_chol_analyze(
@@ -3148,7 +3484,7 @@ YC_API yc_result yc_chol_analyze(
     yci_context c;
     yc_chol_options defaults;
     yc_chol *chol;
-    int *dim = NULL, (*pair)[2] = NULL;
+    int *cursor;
     yc_result result;
     if (!out) return YC_ERROR_ARGUMENT;
     *out = NULL;
@@ -3168,18 +3504,12 @@ YC_API yc_result yc_chol_analyze(
         yci_log(&c, "%s", c.message);
         return result;
     }
-    chol->context = c, chol->n = n, chol->spd = options->kind == YC_CHOL_SPD;
-    dim = YCI_NEW(&chol->context, int, n);
-    result = dim ? yci_chol_check(&chol->context, n, ptr, col, dim) : yci_out_of_memory(&chol->context, "a pattern");
-    if (result == YC_OK) {
-        chol->entries = (size_t)ptr[n];
-        chol->to = YCI_NEW(&chol->context, size_t, chol->entries);
-        chol->mirror = YCI_NEW(&chol->context, size_t, chol->entries);
-        pair = (int(*)[2])yci_alloc(&chol->context, chol->entries, 2 * sizeof(int));
-        if (chol->to && chol->mirror && pair) result = yci_chol_build(chol, ptr, col, options, pair, dim);
-        else result = yci_out_of_memory(&chol->context, "a pattern");
-    }
-    yci_free(&chol->context, dim), yci_free(&chol->context, pair);
+    chol->context = c, chol->n = n, chol->entries = (size_t)ptr[n];
+    cursor = YCI_RAW(&chol->context, int, n);
+    result = cursor ? yci_chol_check(&chol->context, n, ptr, col, cursor, &chol->lower)
+                    : yci_out_of_memory(&chol->context, "a pattern");
+    yci_free(&chol->context, cursor);
+    if (result == YC_OK) result = yci_chol_build(chol, ptr, col, options);
     if (result == YC_OK) {
         *out = chol;
         return YC_OK;
@@ -3189,30 +3519,41 @@ YC_API yc_result yc_chol_analyze(
     return result;
 }
 
+/* The first value that is not finite, or `count`; values that count are all or those of the runs. A sum of 0 * x is NaN
+ * when one of them is not finite. */
+static size_t yci_chol_not_finite(const yc_chol *chol, const double *values) {
+    const yci_ldl *f = chol->ldl;
+    size_t k, first = chol->entries;
+    int i, r, runs = f->super[f->supers].run;
+    double sum = 0.0;
+    if (chol->lower)
+        for (k = 0; k < chol->entries; k++) sum += 0.0 * values[k];
+    else
+        for (r = 0; r < runs; r++)
+            for (i = 0; i < f->run[r].count; i++) sum += 0.0 * values[f->run[r].from + i];
+    if (sum == 0.0) return first;
+    for (r = 0; r < runs; r++)
+        for (i = 0; i < f->run[r].count; i++) {
+            k = (size_t)(f->run[r].from + i);
+            if (!(fabs(values[k]) <= DBL_MAX) && k < first) first = k;
+        }
+    return first;
+}
+
 YC_API yc_result yc_chol_factor(yc_chol *chol, const double *values) {
-    size_t k, skipped;
+    size_t k;
     if (!chol) return YC_ERROR_ARGUMENT;
     if (chol->entries && !values) return YCI_FAIL(&chol->context, YC_ERROR_ARGUMENT, "yc_chol_factor: values is NULL");
-    skipped = chol->m.at[chol->m.ptr[chol->m.n]];
-    for (k = 0; k < chol->entries; k++) {
-        if (chol->to[k] == skipped) continue;
-        if (!(fabs(values[k]) <= DBL_MAX))
-            return YCI_FAIL(
-                &chol->context, YC_ERROR_ARGUMENT, "yc_chol_factor: values[%.0f] is %g", (double)k, values[k]);
-    }
-    for (k = 0; k < chol->entries; k++)
-        if (chol->to[k] != skipped) chol->m.val[chol->to[k]] = chol->m.val[chol->mirror[k]] = values[k];
-    return yci_ldl_factor(chol->ldl, chol->m.val, chol->m.at, chol->spd);
+    k = yci_chol_not_finite(chol, values);
+    if (k < chol->entries)
+        return YCI_FAIL(&chol->context, YC_ERROR_ARGUMENT, "yc_chol_factor: values[%.0f] is %g", (double)k, values[k]);
+    return yci_ldl_factor(chol->ldl, values);
 }
 
 YC_API yc_result yc_chol_solve(const yc_chol *chol, double *x, int count, int ldx) {
-    int k;
     if (!chol || !chol->ldl->factored || count < 0 || ldx < chol->n || (count && chol->n && !x))
         return YC_ERROR_ARGUMENT;
-    for (k = 0; k < count; k += YCI_CHOL_TOGETHER) {
-        int together = count - k < YCI_CHOL_TOGETHER ? count - k : YCI_CHOL_TOGETHER;
-        yci_ldl_solve(chol->ldl, x + (size_t)k * (size_t)ldx, together, ldx, chol->work);
-    }
+    yci_ldl_solve(chol->ldl, x, count, ldx, chol->work);
     return YC_OK;
 }
 
@@ -6271,31 +6612,23 @@ static void yci_mixed_shares(yci_mixed *m) {
     for (e = 0; e < 3 * m->run_count; e++) m->share[next[m->corner[e / 3][e % 3]]++] = e;
 }
 
-/* The column at which a matrix turns out not positive definite, or -1. */
-static int yci_mixed_indefinite(yci_ldl *g, const yci_bsr *matrix) {
-    int s, bad = -1;
-    for (s = 0; s < g->supers && bad < 0; s++) bad = yci_ldl_super_factor(g, g->super + s, matrix->val, matrix->at, 1);
-    return bad < 0 ? -1 : g->node[bad];
-}
-
 /* Takes columns that depend on the others out of t: in_t becomes 0. Tried is D^-1/2 G D^-1/2 - YCI_MIXED_RANK I, D the
- * diagonal of G; the column at which it is not positive definite goes, and the rest is tried again. Returns how many
- * went. `scaled` is work of G's pattern. */
-static int yci_mixed_independent(
-    yci_mixed *m, const yci_bsr *gram, double *scaled, const double *diagonal, unsigned char *in_t) {
-    yci_bsr matrix = *gram;
-    int i, e, bad, gone = 0;
-    matrix.val = scaled;
-    for (;;) {
+ * diagonal of G; the column at which it is not positive definite goes, and the rest is tried again. *gone receives how
+ * many went. `scaled` is work of G's pattern. */
+static yc_result yci_mixed_independent(
+    yci_mixed *m, const yci_bsr *gram, double *scaled, const double *diagonal, unsigned char *in_t, int *gone) {
+    int i, e, bad;
+    if (!yci_ldl_room(m->g)) return yci_out_of_memory(m->c, "the kinematic filter");
+    for (*gone = 0;; ++*gone) {
         for (i = 0; i < m->t_count; i++)
             for (e = gram->ptr[i]; e < gram->ptr[i + 1]; e++) {
                 int v = m->vertex[i], u = m->vertex[gram->col[e]];
                 if (u == v) scaled[e] = 1.0 - YCI_MIXED_RANK;
                 else scaled[e] = in_t[v] && in_t[u] ? gram->val[e] / sqrt(diagonal[v] * diagonal[u]) : 0.0;
             }
-        bad = yci_mixed_indefinite(m->g, &matrix);
-        if (bad < 0) return gone;
-        in_t[m->vertex[bad]] = 0, gone++;
+        bad = yci_ldl_columns(m->g, scaled);
+        if (bad < 0) return YC_OK;
+        in_t[m->vertex[m->g->unknown[bad]]] = 0;
     }
 }
 
@@ -6309,7 +6642,7 @@ static yc_result yci_mixed_factor(yci_mixed *m, const double *diagonal, unsigned
     if (!dim) return yci_out_of_memory(m->c, "the kinematic filter");
     for (i = 0; i < m->t_count; i++) dim[i] = 1;
     result = yci_mixed_pattern(m, m->t_count, m->t_count, dim, &gram);
-    if (result == YC_OK) result = yci_ldl_analyze(m->c, m->t_count, dim, gram.ptr, gram.col, NULL, &m->g);
+    if (result == YC_OK) result = yci_ldl_analyze_bsr(m->c, &gram, NULL, 1, &m->g);
     if (result == YC_OK && !(scaled = YCI_NEW(m->c, double, gram.ptr[m->t_count])))
         result = yci_out_of_memory(m->c, "the kinematic filter");
     for (run = 0; result == YC_OK && run < m->run_count; run++) {
@@ -6320,8 +6653,8 @@ static yc_result yci_mixed_factor(yci_mixed *m, const double *diagonal, unsigned
             if (a < m->t_count && b < m->t_count) gram.val[yci_bsr_find(&gram, a, b)] += sum[e];
         }
     }
-    if (result == YC_OK) *gone = yci_mixed_independent(m, &gram, scaled, diagonal, in_t);
-    if (result == YC_OK && !*gone) result = yci_ldl_factor(m->g, gram.val, gram.at, 1);
+    if (result == YC_OK) result = yci_mixed_independent(m, &gram, scaled, diagonal, in_t, gone);
+    if (result == YC_OK && !*gone) result = yci_ldl_factor(m->g, gram.val);
     yci_free(m->c, dim), yci_free(m->c, scaled);
     yci_bsr_destroy(m->c, &gram);
     return result;
@@ -6481,7 +6814,7 @@ static yc_result yci_mass_build(yci_mass_p *p, int *dim) {
             }
     p->x = YCI_NEW(m->c, double, 3 * (size_t)p->a.off[p->a.n]);
     if (!p->x) return yci_out_of_memory(m->c, "the mass preconditioner");
-    result = yci_ldl_analyze(m->c, p->a.n, dim, p->a.ptr, p->a.col, NULL, &p->ldl);
+    result = yci_ldl_analyze_bsr(m->c, &p->a, NULL, 0, &p->ldl);
     if (result != YC_OK) return result;
     p->work = YCI_NEW(m->c, double, yci_ldl_work(p->ldl, 3));
     return p->work ? YC_OK : yci_out_of_memory(m->c, "the mass preconditioner");
@@ -6525,7 +6858,7 @@ static yc_result yci_mass_factor(yci_mass_p *p, const double *mv, const double *
     }
     for (i = 0; i < m->free_count; i++)
         a->val[a->at[a->diag[i]] + (i < m->t_count ? 3 : 0)] += p->mass.mv[m->vertex[i]];
-    return yci_ldl_factor(p->ldl, a->val, a->at, 0);
+    return yci_ldl_factor(p->ldl, a->val);
 }
 
 /* (z_v, z_x) = P^-1 (r_v, r_x); z_v may be r_v, z_x may be r_x. r_x need not be filtered, z_x is. */
@@ -6592,7 +6925,7 @@ static yc_result yci_mass_dense_build(yci_mass_dense *p, int *dim) {
     for (i = 0; i < m->free_count; i++) dim[i] = 1;
     result = yci_mixed_pattern(m, m->free_count, m->free_count, dim, &p->a);
     if (result != YC_OK || !m->free_count) return result;
-    result = yci_ldl_analyze(m->c, p->a.n, dim, p->a.ptr, p->a.col, NULL, &p->ldl);
+    result = yci_ldl_analyze_bsr(m->c, &p->a, NULL, 1, &p->ldl);
     if (result != YC_OK) return result;
     result = yc_lu_create(&m->c->host, n, &p->lu);
     if (result != YC_OK) return YCI_FAIL(m->c, result, "no memory for a dense matrix of order %d", n);
@@ -6648,7 +6981,7 @@ static yc_result yci_mass_dense_factor(yci_mass_dense *p, const double *mv, cons
         for (j = 0; j < 2; j++) c[(size_t)(t + f * j + i) * n + (size_t)(t + f * (1 - j) + i)] = 1.0;
         c[(size_t)(t + f + i) * n + (size_t)(t + f + i)] = 1.0; /* becomes W^-1, as -U_t becomes -U_t W^-1 */
     }
-    result = yci_ldl_factor(p->ldl, p->a.val, p->a.at, 1);
+    result = yci_ldl_factor(p->ldl, p->a.val);
     if (result != YC_OK) return result;
     if (t) yci_ldl_solve(p->ldl, c + t + f, t, (int)n, p->work);
     yci_ldl_solve(p->ldl, c + (size_t)(t + f) * n + (size_t)(t + f), f, (int)n, p->work);
@@ -7087,7 +7420,7 @@ static yc_result yci_system_coarse_create(yci_system *s, const yci_system_input 
     s->coarse_target = YCI_NEW(c, int, 2 * count);
     if (!s->coarse_target) goto done;
     yci_system_coarse_pairs(s, NULL);
-    result = yci_ldl_analyze(c, s->coarse_count, s->coarse.dim, s->coarse.ptr, s->coarse.col, NULL, &s->coarse_factor);
+    result = yci_ldl_analyze_bsr(c, &s->coarse, NULL, 1, &s->coarse_factor);
     if (result != YC_OK) goto done;
     s->coarse_x = YCI_NEW(c, double, 3 * s->coarse_count);
     s->coarse_work = YCI_NEW(c, double, yci_ldl_work(s->coarse_factor, 1));
@@ -7132,7 +7465,7 @@ static yc_result yci_system_parts(yci_system *s, const yci_system_input *in) {
     for (i = 0; i < in->n; i++)
         if (in->is_hybrid[i]) s->hybrid_node[s->hybrid_count++] = i;
     if (s->solver == YC_SOLVER_DIRECT) {
-        result = yci_ldl_analyze(c, in->n, s->a.dim, s->a.ptr, s->a.col, NULL, &s->direct);
+        result = yci_ldl_analyze_bsr(c, &s->a, NULL, 1, &s->direct);
         if (result != YC_OK) return result;
         s->direct_work = YCI_NEW(c, double, yci_ldl_work(s->direct, 1));
         return s->direct_work ? YC_OK : YC_ERROR_MEMORY;
@@ -7165,12 +7498,12 @@ static yc_result yci_system_create(yci_context *c, const yci_system_input *in, y
 /* Takes this iteration's matrix and masses into the preconditioners. */
 static yc_result yci_system_factor(yci_system *s) {
     int i, k;
-    if (s->solver == YC_SOLVER_DIRECT) return yci_ldl_factor(s->direct, s->a.val, s->a.at, 1);
+    if (s->solver == YC_SOLVER_DIRECT) return yci_ldl_factor(s->direct, s->a.val);
     if (s->solver == YC_SOLVER_TWO_LEVEL) {
         yc_result result = yci_ic_factor(s->ic, &s->a);
         if (result != YC_OK) return result;
         yci_system_coarse_assemble(s);
-        return yci_ldl_factor(s->coarse_factor, s->coarse.val, s->coarse.at, 1);
+        return yci_ldl_factor(s->coarse_factor, s->coarse.val);
     }
     if (s->solver == YC_SOLVER_NONE) return YC_OK;
     for (i = 0; i < s->vertex_count; i++) {
