@@ -12,11 +12,11 @@ COMPILE = $(CC) $(STANDARD) $(CFLAGS) -I. -MMD -MP -c -o $@
 # What examples, tests and benchmarks share: the library compiled once, file formats and drawing, the scenes.
 SHARED := $(BUILD)/yarncloth.o \
     $(patsubst %.c,$(BUILD)/obj/%.o,$(sort $(wildcard examples/common/*.c tests/scenes/*.c)))
-BENCH_SOURCES := $(sort $(wildcard tests/bench*.c))
-TEST_SOURCES := $(filter-out $(BENCH_SOURCES),$(sort $(wildcard tests/*.c)))
+TEST_SOURCES := $(sort $(wildcard tests/*.c))
+BENCHES := $(patsubst tests/bench/%.c,bench-%,$(sort $(wildcard tests/bench/*.c)))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/%,$(sort $(wildcard examples/*.c)))
 
-.PHONY: run hello examples test check sanitize format clean FORCE
+.PHONY: run hello examples test check sanitize $(BENCHES) format clean FORCE
 
 # make run SCENE=name ARGS="..." hands both to the program; without them it shows its default.
 run: $(BUILD)/garment
@@ -41,18 +41,23 @@ sanitize:
 	$(MAKE) test BUILD='$(BUILD)/sanitize/$(firstword $(subst $(comma), ,$(SANITIZE)))' \
 	    CFLAGS='-O1 -g -fno-omit-frame-pointer -fsanitize=$(SANITIZE) -fno-sanitize-recover=all'
 
-ifneq ($(BENCH_SOURCES),)
-.PHONY: bench
-bench: $(BUILD)/bench
+# make bench-NAME runs the benchmark of tests/bench/NAME.c, QUICK=1 a short form of it, ARGS="..." hands it words. What
+# it prints is kept in out/bench-NAME.txt.
+$(BENCHES):
 	@mkdir -p out
-	$(BUILD)/bench $(ARGS)
+	@$(if $(NEEDS),if ! { $(NEEDS); } >/dev/null 2>&1; then echo '$@ needs $(PACKAGES)'; exit; fi;) \
+	    $(MAKE) --no-print-directory $(BUILD)/$@ && $(BUILD)/$@ $(if $(QUICK),--quick) $(ARGS)
 
-$(BUILD)/bench: $(BENCH_SOURCES:%.c=$(BUILD)/obj/%.o) $(SHARED)
-	$(CC) $(CFLAGS) -o $@ $^ -lm
-endif
+# The rivals of bench-direct, and whether they are here.
+RIVALS := -lcholmod -lopenblas
+RIVAL_HEADERS := suitesparse/cholmod.h eigen3/Eigen/Core
+bench-direct: PACKAGES := the Debian packages libsuitesparse-dev, libopenblas-dev and libeigen3-dev.
+bench-direct: NEEDS = echo 'int main() {}' | \
+    $(CXX) -x c++ - $(addprefix -include ,$(RIVAL_HEADERS)) -fsyntax-only && \
+    echo 'int main() {}' | $(CXX) -x c++ - $(RIVALS) -o /dev/null
 
 format:
-	clang-format -i yarncloth.h $(wildcard examples/*.[ch] examples/*/*.[ch] tests/*.[ch] tests/*/*.[ch])
+	clang-format -i yarncloth.h $(wildcard examples/*.[ch] examples/*/*.[ch] tests/*.[ch] tests/*/*.[ch] tests/*/*/*.[ch] tests/*/*/*.cpp)
 
 clean:
 	rm -rf build out
@@ -90,5 +95,16 @@ $(BUILD)/hello: $(BUILD)/obj/examples/hello.o
 
 $(filter-out $(BUILD)/hello,$(EXAMPLES)): $(BUILD)/%: $(BUILD)/obj/examples/%.o $(SHARED)
 	$(CC) $(CFLAGS) -o $@ $^ -lm
+
+$(BENCHES:%=$(BUILD)/%): $(BUILD)/bench-%: $(BUILD)/obj/tests/bench/%.o $(SHARED)
+	$(CC) $(CFLAGS) -o $@ $(filter %.o,$^) -lm
+
+# OpenBLAS stands before CHOLMOD's own choice of a BLAS; gcc's AVX-512 headers warn of themselves.
+$(BUILD)/bench-direct: $(BUILD)/obj/tests/bench/direct/matrices.o $(BUILD)/bench-direct-rivals
+
+$(BUILD)/bench-direct-rivals: tests/bench/direct/rivals.cpp
+	@mkdir -p $(@D)
+	$(CXX) -std=c++14 -O2 -march=native -DNDEBUG -Wall -Wextra -Wshadow -Wno-maybe-uninitialized -MMD -MP \
+	    -o $@ $< -rdynamic -Wl,--no-as-needed $(RIVALS)
 
 -include $(shell find $(BUILD) -name '*.d' 2>/dev/null)
