@@ -1133,6 +1133,7 @@ YC_FN int yci_block_repair(int n, double *a, const double *reference, double shi
 #define YCI_PANEL 8    /* columns that are factored together */
 #define YCI_OVERREAD 8 /* numbers behind every array that a kernel reads */
 #define YCI_RIGHT 4    /* right-hand sides that are solved together */
+#define YCI_AHEAD 2048 /* numbers by which a solve asks for L ahead of its use */
 
 /* Adds columns of `source` to columns of `target` in which their rows stand further apart: row k of the source goes to
  * row place[k], column k to column place[k]. Rows are told in chunks: chunk[c], at << 8 | bits, brings the source's rows
@@ -1145,6 +1146,17 @@ typedef struct yci_expansion {
     double *target;
     size_t source_ld, target_ld;
 } yci_expansion;
+
+/* The columns of L that one front gives, height x width. Row i of them is unknown first + i of y where i < width, and
+ * then row[i - width], of which there are YCI_OVERREAD - 1 more that name a spare entry of y. Diagonal blocks of
+ * YCI_PANEL columns hold reciprocals on the diagonal, and the columns below it divided by it; with `dim` not NULL they
+ * are those of yci_panel_indefinite, back[i] being the width of the one that ends at column i. */
+typedef struct yci_trapezoid {
+    const double *l;
+    int first, width, height;
+    const int *row;
+    const unsigned char *dim, *back;
+} yci_trapezoid;
 
 typedef struct yci_kernels {
     const char *name;
@@ -1165,7 +1177,48 @@ typedef struct yci_kernels {
      * `above` must find zeros. */
     void (*below)(int m, int n, const double *a, size_t lda, const double *t, double *z, size_t ldz, int count);
     void (*above)(int m, int n, const double *a, size_t lda, double *t, const double *z, size_t ldz, int count);
+
+    /* Solves with one front of a sparse factor, in place on y: `count` arrays, at most YCI_RIGHT, of ldy numbers. `z` is
+     * work for the backward solve, ldz >= height + YCI_OVERREAD. */
+    void (*forward)(const yci_trapezoid *s, double *y, size_t ldy, int count);
+    void (*backward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
 } yci_kernels;
+
+/* Columns of the whole nodes, the first with dim[0] unknowns, that make up the next panel of at most n columns. */
+static int yci_panel_nodes(const unsigned char *dim, int n) {
+    int columns = dim[0];
+    while (columns < n && columns + dim[columns] <= YCI_PANEL) columns += dim[columns];
+    return columns;
+}
+
+/* x := inverse(D) inverse(L) x for a panel of whole nodes: W = L D below its diagonal blocks, inverse(D) in them. */
+static void yci_corner_forward(int n, const unsigned char *dim, const double *w, size_t ld, double *x) {
+    int i, j, a, b, d;
+    for (j = 0; j < n; j += d, w += (size_t)d * ld) {
+        double t[YCI_BLOCK_MAX];
+        d = dim[j];
+        for (a = 0; a < d; a++)
+            for (t[a] = 0.0, b = 0; b < d; b++) t[a] += w[(size_t)b * ld + (size_t)(j + a)] * x[j + b];
+        for (a = 0; a < d; a++) {
+            x[j + a] = t[a];
+            for (i = j + d; i < n; i++) x[i] -= w[(size_t)a * ld + (size_t)i] * t[a];
+        }
+    }
+}
+
+/* x := inverse(L') (x - inverse(D) s). */
+static void yci_corner_backward(int n, const unsigned char *dim, const double *w, size_t ld, double *x, double *s) {
+    int i, j = n, a, b, d;
+    while (j > 0) {
+        const double *own;
+        for (j--; dim[j] == 0;) j--;
+        d = dim[j], own = w + (size_t)j * ld;
+        for (a = 0; a < d; a++)
+            for (i = j + d; i < n; i++) s[j + a] += own[(size_t)a * ld + (size_t)i] * x[i];
+        for (a = 0; a < d; a++)
+            for (b = 0; b < d; b++) x[j + a] -= own[(size_t)b * ld + (size_t)(j + a)] * s[j + b];
+    }
+}
 
 /* The kernels are written once, on vectors, and compiled once per instruction set: for two of x86-64, which are used
  * where the processor has them whatever the compiler was told, and for what the compiler was told. To that end the file
@@ -1221,6 +1274,8 @@ typedef struct yci_kernels {
 #define V_FMA(a, b, c) _mm512_fmadd_pd(a, b, c)
 #define V_FNMA(a, b, c) _mm512_fnmadd_pd(a, b, c)
 #define V_EXPAND(p, bits) _mm512_maskz_expand_pd((__mmask8)(bits), _mm512_loadu_pd(p))
+#define V_FNMA1(a, b, c) __builtin_fma(-(a), b, c)
+#define V_PREFETCH(p) __builtin_prefetch(p)
 #elif YCI_ISA == 256
 #define YCI_(name) name##_avx2
 #define YCI_TARGET __attribute__((target("avx2,fma")))
@@ -1238,6 +1293,8 @@ typedef struct yci_kernels {
 #define V_MUL(a, b) _mm256_mul_pd(a, b)
 #define V_FMA(a, b, c) _mm256_fmadd_pd(a, b, c)
 #define V_FNMA(a, b, c) _mm256_fnmadd_pd(a, b, c)
+#define V_FNMA1(a, b, c) __builtin_fma(-(a), b, c)
+#define V_PREFETCH(p) __builtin_prefetch(p)
 YCI_TARGET static inline __m256i yci_first_lanes_avx2(int n) {
     return _mm256_cmpgt_epi64(_mm256_set1_epi64x(n), _mm256_setr_epi64x(0, 1, 2, 3));
 }
@@ -1252,6 +1309,8 @@ YCI_TARGET static inline __m256i yci_first_lanes_avx2(int n) {
 #define V_MUL(a, b) ((a) * (b))
 #define V_FMA(a, b, c) ((c) + (a) * (b))
 #define V_FNMA(a, b, c) ((c) - (a) * (b))
+#define V_FNMA1(a, b, c) ((c) - (a) * (b))
+#define V_PREFETCH(p) ((void)(p))
 #ifdef YCI_GNU
 #define V yci_two
 #define V_W 2
@@ -1499,10 +1558,228 @@ YCI_TARGET static void YCI_(yci_above)(
     }
 }
 
+/* x := inverse(G) x and x := inverse(G') (x - s) for the diagonal block of a panel, x and s of count arrays. */
+YCI_TARGET YCI_INLINE void YCI_(yci_triangle_forward)(
+    int n, const double *g, size_t ld, double *x, size_t ldx, int count) {
+    double v[YCI_RIGHT][YCI_PANEL];
+    int i, j, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < n; i++) v[r][i] = x[(size_t)r * ldx + (size_t)i];
+    YCI_UNROLL
+    for (j = 0; j < n; j++) YCI_UNROLL
+    for (i = j + 1; i < n; i++) YCI_UNROLL
+    for (r = 0; r < count; r++) v[r][i] = V_FNMA1(g[(size_t)j * ld + (size_t)i], v[r][j], v[r][i]);
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < n; i++) x[(size_t)r * ldx + (size_t)i] = v[r][i] * g[(size_t)i * (ld + 1)];
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_triangle_backward)(
+    int n, const double *g, size_t ld, const double *x, size_t ldx, double *s, int count) {
+    double v[YCI_RIGHT][YCI_PANEL];
+    int i, j, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < n; i++) v[r][i] = (x[(size_t)r * ldx + (size_t)i] - s[YCI_PANEL * r + i]) * g[(size_t)i * (ld + 1)];
+    YCI_UNROLL
+    for (i = n - 1; i > 0; i--) YCI_UNROLL
+    for (j = 0; j < i; j++) YCI_UNROLL
+    for (r = 0; r < count; r++) v[r][j] = V_FNMA1(g[(size_t)j * ld + (size_t)i], v[r][i], v[r][j]);
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < n; i++) s[YCI_PANEL * r + i] = v[r][i];
+}
+
+/* Calls f(n, ...) with n as a constant. */
+#define YCI_CASES(n, f, ...) \
+    switch (n) { \
+    case 1: f(1, __VA_ARGS__); break; \
+    case 2: f(2, __VA_ARGS__); break; \
+    case 3: f(3, __VA_ARGS__); break; \
+    case 4: f(4, __VA_ARGS__); break; \
+    case 5: f(5, __VA_ARGS__); break; \
+    case 6: f(6, __VA_ARGS__); break; \
+    case 7: f(7, __VA_ARGS__); break; \
+    default: f(8, __VA_ARGS__); \
+    }
+
+/* s := the product of `vectors` vectors of rows of A (n columns) with y. */
+YCI_TARGET YCI_INLINE void YCI_(yci_rows)(
+    V s[4][YCI_RIGHT], int vectors, int n, const double *a, size_t lda, const double *y, size_t ldy, int count) {
+    int i, r, j;
+    YCI_UNROLL
+    for (i = 0; i < vectors; i++) YCI_UNROLL
+    for (r = 0; r < count; r++) s[i][r] = V_SET(0.0);
+    for (j = 0; j < n; j++, a += lda) {
+        YCI_UNROLL
+        for (i = 0; i < vectors; i++) {
+            V x = V_LOAD(a + V_W * i);
+            V_PREFETCH(a + V_W * i + YCI_AHEAD);
+            YCI_UNROLL
+            for (r = 0; r < count; r++) s[i][r] = V_FMA(x, V_SET(y[(size_t)r * ldy + (size_t)j]), s[i][r]);
+        }
+    }
+}
+
+/* y[row[i]] -= (A x)[i] for m rows of A, in whole vectors: rows beyond m go to the spare entry. */
+YCI_TARGET YCI_INLINE void YCI_(yci_scatter)(int vectors, int n, const double *a, size_t lda, const double *x,
+    const int *row, double *y, size_t ldy, int count) {
+    V s[4][YCI_RIGHT];
+    double lane[4 * V_W];
+    int i, r;
+    YCI_(yci_rows)(s, vectors, n, a, lda, x, ldy, count);
+    YCI_UNROLL
+    for (r = 0; r < count; r++) {
+        double *to = y + (size_t)r * ldy;
+        YCI_UNROLL
+        for (i = 0; i < vectors; i++) V_STORE(lane + V_W * i, s[i][r]);
+        for (i = 0; i < vectors * V_W; i++) to[row[i]] -= lane[i];
+    }
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_forward_some)(const yci_trapezoid *s, double *y, size_t ldy, int count) {
+    size_t ld = (size_t)s->height;
+    double *own = y + s->first;
+    int j, n, i, r, m = s->height - s->width;
+    for (j = 0; j < s->width; j += n) {
+        const double *l = s->l + (size_t)j * (ld + 1);
+        double *x = own + j;
+        int later;
+        if (s->dim) {
+            n = yci_panel_nodes(s->dim + j, s->width - j);
+            for (r = 0; r < count; r++) yci_corner_forward(n, s->dim + j, l, ld, x + (size_t)r * ldy);
+        } else {
+            n = yci_min_int(YCI_PANEL, s->width - j);
+            YCI_CASES(n, YCI_(yci_triangle_forward), l, ld, x, ldy, count)
+        }
+        later = s->width - j - n;
+        for (i = 0; i < later; i += V_W) {
+            V sum[4][YCI_RIGHT];
+            double *to = x + n + i;
+            YCI_(yci_rows)(sum, 1, n, l + n + i, ld, x, ldy, count);
+            YCI_UNROLL
+            for (r = 0; r < count; r++, to += ldy) {
+                V value = V_SUB(V_LOAD(to), sum[0][r]);
+                if (later - i < V_W) V_STORE_PART(to, value, later - i);
+                else V_STORE(to, value);
+            }
+        }
+    }
+    for (j = 0; j < s->width; j += n) {
+        const double *l = s->l + (size_t)j * ld + s->width;
+        n = yci_min_int(s->width - j, 64);
+        for (i = 0; m - i > 3 * V_W; i += 4 * V_W)
+            YCI_(yci_scatter)(4, n, l + i, ld, own + j, s->row + i, y, ldy, count);
+        for (; m - i > V_W; i += 2 * V_W) YCI_(yci_scatter)(2, n, l + i, ld, own + j, s->row + i, y, ldy, count);
+        if (m > i) YCI_(yci_scatter)(1, n, l + i, ld, own + j, s->row + i, y, ldy, count);
+    }
+}
+
+YCI_TARGET static void YCI_(yci_forward)(const yci_trapezoid *s, double *y, size_t ldy, int count) {
+    if (count == 1) YCI_(yci_forward_some)(s, y, ldy, 1);
+    else if (count == 2) YCI_(yci_forward_some)(s, y, ldy, 2);
+    else if (count == 3) YCI_(yci_forward_some)(s, y, ldy, 3);
+    else YCI_(yci_forward_some)(s, y, ldy, 4);
+}
+
+/* The sums over the lanes of four vectors. */
+YCI_TARGET YCI_INLINE void YCI_(yci_sums)(const V *s, double *sum) {
+#if YCI_ISA == 512
+    __m512d a = _mm512_add_pd(_mm512_unpacklo_pd(s[0], s[1]), _mm512_unpackhi_pd(s[0], s[1]));
+    __m512d b = _mm512_add_pd(_mm512_unpacklo_pd(s[2], s[3]), _mm512_unpackhi_pd(s[2], s[3]));
+    __m512d c = _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x44), _mm512_shuffle_f64x2(a, b, 0xee));
+    __m512d d = _mm512_add_pd(_mm512_shuffle_f64x2(c, c, 0xd8), _mm512_shuffle_f64x2(c, c, 0x8d));
+    _mm256_storeu_pd(sum, _mm512_castpd512_pd256(d));
+#else
+    int i, j;
+    YCI_UNROLL
+    for (j = 0; j < 4; j++) {
+        double lane[V_W];
+        V_STORE(lane, s[j]);
+        for (sum[j] = lane[0], i = 1; i < V_W; i++) sum[j] += lane[i];
+    }
+#endif
+}
+
+/* sum[8 r + j] := the products of four columns of A, of which n exist, with m rows of z. */
+YCI_TARGET YCI_INLINE void YCI_(yci_columns)(
+    int n, int m, const double *a, size_t lda, const double *z, size_t ldz, double *sum, int count) {
+    V s[YCI_RIGHT][4];
+    const double *column[4];
+    int i, j, r;
+    YCI_UNROLL
+    for (j = 0; j < 4; j++) {
+        column[j] = a + (size_t)(j < n ? j : 0) * lda;
+        YCI_UNROLL
+        for (r = 0; r < count; r++) s[r][j] = V_SET(0.0);
+    }
+    for (i = 0; i < m; i += V_W) {
+        V x[YCI_RIGHT];
+        YCI_UNROLL
+        for (r = 0; r < count; r++) x[r] = V_LOAD(z + (size_t)r * ldz + i);
+        YCI_UNROLL
+        for (j = 0; j < 4; j++) {
+            V y = V_LOAD(column[j] + i);
+            V_PREFETCH(column[j] + i - YCI_AHEAD);
+            YCI_UNROLL
+            for (r = 0; r < count; r++) s[r][j] = V_FMA(x[r], y, s[r][j]);
+        }
+    }
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_(yci_sums)(s[r], sum + YCI_PANEL * r);
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
+    const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
+    size_t ld = (size_t)s->height;
+    int j, n, i, r, m = s->height - s->width;
+    for (r = 0; r < count; r++) {
+        const double *from = y + (size_t)r * ldy;
+        double *to = z + (size_t)r * ldz + s->width;
+        for (i = 0; i < m; i += YCI_OVERREAD) {
+            int k;
+            YCI_UNROLL
+            for (k = 0; k < YCI_OVERREAD; k++) to[i + k] = from[s->row[i + k]];
+        }
+        YCI_UNROLL
+        for (i = 0; i < YCI_OVERREAD; i++) to[m + i] = 0.0;
+    }
+    for (j = s->width; j > 0;) {
+        double sum[YCI_RIGHT * YCI_PANEL];
+        const double *l, *x;
+        n = s->dim ? s->back[j - 1] : (j - 1) % YCI_PANEL + 1;
+        j -= n, l = s->l + (size_t)j * (ld + 1), x = y + s->first + j;
+        for (i = 0; i < n; i += 4)
+            YCI_(yci_columns)(n - i, s->height - j - n, l + n + (size_t)i * ld, ld, z + j + n, ldz, sum + i, count);
+        if (s->dim)
+            for (r = 0; r < count; r++) {
+                double *to = z + (size_t)r * ldz + j;
+                for (i = 0; i < n; i++) to[i] = x[(size_t)r * ldy + (size_t)i];
+                yci_corner_backward(n, s->dim + j, l, ld, to, sum + YCI_PANEL * r);
+            }
+        else {
+            YCI_CASES(n, YCI_(yci_triangle_backward), l, ld, x, ldy, sum, count)
+            for (r = 0; r < count; r++)
+                for (i = 0; i < n; i++) z[(size_t)r * ldz + (size_t)(j + i)] = sum[YCI_PANEL * r + i];
+        }
+    }
+    for (r = 0; r < count; r++)
+        for (i = 0; i < s->width; i++) y[(size_t)r * ldy + (size_t)(s->first + i)] = z[(size_t)r * ldz + (size_t)i];
+}
+
+YCI_TARGET static void YCI_(yci_backward)(
+    const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
+    if (count == 1) YCI_(yci_backward_some)(s, y, ldy, 1, z, ldz);
+    else if (count == 2) YCI_(yci_backward_some)(s, y, ldy, 2, z, ldz);
+    else if (count == 3) YCI_(yci_backward_some)(s, y, ldy, 3, z, ldz);
+    else YCI_(yci_backward_some)(s, y, ldy, 4, z, ldz);
+}
+
 #define YCI_TEXT_(name) #name
 #define YCI_TEXT(name) YCI_TEXT_(name)
-static const yci_kernels YCI_(yci_kernels) = {
-    YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand), YCI_(yci_below), YCI_(yci_above)};
+static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
+    YCI_(yci_below), YCI_(yci_above), YCI_(yci_forward), YCI_(yci_backward)};
 
 #undef YCI_
 #undef YCI_TARGET
@@ -1523,6 +1800,9 @@ static const yci_kernels YCI_(yci_kernels) = {
 #undef V_FMA
 #undef V_FNMA
 #undef V_EXPAND
+#undef V_FNMA1
+#undef V_PREFETCH
+#undef YCI_CASES
 #endif /* ---- what is read once per instruction set ---- */
 
 #if defined(YCI_ISA) && YCI_ISA == 0 /* the rest is read once again */
@@ -1551,7 +1831,7 @@ static const yci_kernels *yci_kernels_best(void) {
 /* ------------------------------------------------------------------------------------------ panels of a factor --- */
 
 /* The leading n columns of a symmetric front of m rows (its lower triangle) become those of its Cholesky factor, panel
- * by panel looking left. The diagonal receives its reciprocals, and what stands above it is overwritten. reference[j]
+ * by panel looking left; diagonal blocks as yci_trapezoid wants them. What stands above the diagonal is overwritten. reference[j]
  * is what pivot j came from: one lost in its rounding counts as zero. Returns the column without a pivot, or -1. */
 static int yci_panel_cholesky(const yci_kernels *kernel, int m, int n, double *f, size_t ld, const double *reference) {
     int begin, width, j, i, k;
@@ -1575,19 +1855,12 @@ static int yci_panel_cholesky(const yci_kernels *kernel, int m, int n, double *f
             double *a = g + YCI_PANEL * j;
             inverse[j] = 1.0 / sqrt(a[j]);
             corner[(size_t)j * ld + (size_t)j] = inverse[j];
-            for (i = j + 1; i < width; i++) corner[(size_t)j * ld + (size_t)i] = a[i] *= inverse[j];
+            for (i = j + 1; i < width; i++) a[i] *= inverse[j], corner[(size_t)j * ld + (size_t)i] = a[i] * inverse[j];
         }
         kernel->strips(
             m - begin - width, width, begin, f + begin + width, ld, f + begin, ld, g, inverse, corner + width, ld);
     }
     return -1;
-}
-
-/* Columns of the whole nodes, the first with dim[0] unknowns, that make up the next panel of at most n columns. */
-static int yci_panel_nodes(const unsigned char *dim, int n) {
-    int columns = dim[0];
-    while (columns < n && columns + dim[columns] <= YCI_PANEL) columns += dim[columns];
-    return columns;
 }
 
 /* The same for an indefinite front whose pivots are the blocks of whole nodes: L D L'. The columns receive W = L D,
@@ -1637,55 +1910,6 @@ static int yci_panel_indefinite(const yci_kernels *kernel, int m, int n, double 
             scaled + (size_t)begin * ld + begin + width, ld, 0);
     }
     return -1;
-}
-
-/* y := inverse(G) x for the triangle of a panel; the diagonal holds reciprocals. */
-static void yci_corner_forward(int n, const double *g, size_t ld, double *x, double *y) {
-    int i, j;
-    for (j = 0; j < n; j++, g += ld) {
-        double value = x[j] = y[j] = x[j] * g[j];
-        for (i = j + 1; i < n; i++) x[i] -= g[i] * value;
-    }
-}
-
-/* x := inverse(G') y. */
-static void yci_corner_backward(int n, const double *g, size_t ld, const double *y, double *x) {
-    int i, j;
-    for (j = n - 1; j >= 0; j--) {
-        const double *column = g + (size_t)j * ld;
-        double sum = y[j];
-        for (i = j + 1; i < n; i++) sum -= column[i] * x[i];
-        x[j] = sum * column[j];
-    }
-}
-
-/* The same two for panels of an indefinite front: x := what precedes the division by D, y := that divided by it; and
- * x := inverse(L') inverse(D) y. */
-static void yci_corner_forward_nodes(
-    int n, const unsigned char *dim, const double *g, size_t ld, double *x, double *y) {
-    int i, j, a, b, d;
-    for (j = 0; j < n; j += d) {
-        const double *own = g + (size_t)j * ld;
-        d = dim[j];
-        for (a = 0; a < d; a++)
-            for (y[j + a] = 0.0, b = 0; b < d; b++) y[j + a] += own[(size_t)b * ld + (size_t)(j + a)] * x[j + b];
-        for (a = 0; a < d; a++)
-            for (i = j + d; i < n; i++) x[i] -= own[(size_t)a * ld + (size_t)i] * y[j + a];
-    }
-}
-
-static void yci_corner_backward_nodes(
-    int n, const unsigned char *dim, const double *g, size_t ld, double *y, double *x) {
-    int i, j = n, a, b, d;
-    while (j > 0) {
-        const double *own;
-        for (j--; dim[j] == 0;) j--;
-        d = dim[j], own = g + (size_t)j * ld;
-        for (a = 0; a < d; a++)
-            for (i = j + d; i < n; i++) y[j + a] -= own[(size_t)a * ld + (size_t)i] * x[i];
-        for (a = 0; a < d; a++)
-            for (x[j + a] = 0.0, b = 0; b < d; b++) x[j + a] += own[(size_t)b * ld + (size_t)(j + a)] * y[j + b];
-    }
 }
 
 /* y -= A x for a column-major A (m x n, leading dimension ld), four columns a pass; rows go in pairs so that a compiler
@@ -2776,7 +3000,10 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
     size_t n = (size_t)f->size, node_rows = 0, rows = 0, chunks = 0;
     int *block, *rank, *super_at, *where, *begin, *node_row, *sorted, s, i, k, a, at = 0, widest = 0;
     f->supers = t->groups, f->nodes = t->n;
-    for (s = 0; s < f->supers; s++) node_rows += (size_t)t->group[s], rows += (size_t)(t->height[s] - t->width[s]);
+    for (s = 0; s < f->supers; s++) {
+        node_rows += (size_t)t->group[s];
+        rows += (size_t)(t->height[s] - t->width[s] + YCI_OVERREAD - 1);
+    }
     if (rows > INT_MAX) return 0;
     f->super = YCI_RAW(c, yci_ldl_super, f->supers + 1), f->task = (int(*)[2])YCI_RAW(c, int, 2 * YCI_LDL_TASKS);
     block = YCI_RAW(c, int, 3 * n + (size_t)f->supers + 1 + 2 * node_rows);
@@ -2801,6 +3028,7 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
             u->row = at;
             for (k = begin[s]; k < begin[s + 1]; k++)
                 for (a = 0, i = t->next[node_row[k]]; a < t->dim[t->node[node_row[k]]]; a++) f->row[at++] = i + a;
+            for (a = 1; a < YCI_OVERREAD; a++) f->row[at++] = f->size;
             if (u->width > widest) widest = u->width;
             if (u->parent >= 0 && at > u->row) chunks += (size_t)f->super[u->parent].height / 8 + 1;
         }
@@ -3075,84 +3303,39 @@ static yc_result yci_ldl_factor(yci_ldl *f, const double *value) {
 
 /* Numbers of `work` for a solve. */
 static size_t yci_ldl_work(const yci_ldl *f, int count) {
-    return ((size_t)f->size + (size_t)f->tallest + YCI_OVERREAD) * (size_t)count;
+    return ((size_t)f->size + (size_t)f->tallest + 2 * YCI_OVERREAD) * (size_t)count;
 }
 
-/* z := inverse(L) z on one front; z (count arrays of ldz) holds its own unknowns, and zeros for the rows below. */
-static void yci_ldl_forward(const yci_ldl *f, const yci_ldl_super *s, double *z, size_t ldz, int count) {
-    size_t h = (size_t)s->height;
-    const double *l = f->panel + s->panel;
-    int j, n, r;
-    for (j = 0; j < s->width; j += n, l += (size_t)n * (h + 1)) {
-        double t[YCI_RIGHT * YCI_PANEL];
-        n = f->spd ? yci_min_int(s->width - j, YCI_PANEL) : yci_panel_nodes(f->dim + s->first + j, s->width - j);
-        for (r = 0; r < count; r++)
-            if (f->spd) yci_corner_forward(n, l, h, z + (size_t)r * ldz + j, t + YCI_PANEL * r);
-            else yci_corner_forward_nodes(n, f->dim + s->first + j, l, h, z + (size_t)r * ldz + j, t + YCI_PANEL * r);
-        f->kernels->below(s->height - j - n, n, l + n, h, t, z + j + n, ldz, count);
-    }
-}
-
-/* z := inverse(L') z, or inverse(L') inverse(D) z; zeros follow what z holds. */
-static void yci_ldl_backward(const yci_ldl *f, const yci_ldl_super *s, double *z, size_t ldz, int count) {
-    size_t h = (size_t)s->height;
-    int j = s->width, n, r, i;
-    while (j > 0) {
-        double t[YCI_RIGHT * YCI_PANEL];
-        const double *l;
-        if (f->spd) n = (j - 1) % YCI_PANEL + 1;
-        else n = f->back[s->first + j - 1];
-        j -= n, l = f->panel + s->panel + (size_t)j * (h + 1);
-        for (r = 0; r < count; r++)
-            for (i = 0; i < n; i++) t[YCI_PANEL * r + i] = z[(size_t)r * ldz + (size_t)(j + i)];
-        f->kernels->above(s->height - j - n, n, l + n, h, t, z + j + n, ldz, count);
-        for (r = 0; r < count; r++)
-            if (f->spd) yci_corner_backward(n, l, h, t + YCI_PANEL * r, z + (size_t)r * ldz + j);
-            else yci_corner_backward_nodes(n, f->dim + s->first + j, l, h, t + YCI_PANEL * r, z + (size_t)r * ldz + j);
-    }
+static yci_trapezoid yci_ldl_trapezoid(const yci_ldl *f, int s) {
+    const yci_ldl_super *u = f->super + s;
+    yci_trapezoid t;
+    t.l = f->panel + u->panel, t.first = u->first, t.width = u->width, t.height = u->height, t.row = f->row + u->row;
+    t.dim = f->spd ? NULL : f->dim + u->first, t.back = f->spd ? NULL : f->back + u->first;
+    return t;
 }
 
 /* x := inverse(A) x for at most YCI_RIGHT right-hand sides x[r * ldx + i] in the caller's numbering. Needs a factor;
  * `work` has yci_ldl_work(f, count) numbers. */
 static void yci_ldl_solve_some(const yci_ldl *f, double *x, int count, size_t ldx, double *work) {
-    size_t n = (size_t)f->size, ldz = (size_t)f->tallest + YCI_OVERREAD;
-    double *z = work + n * (size_t)count;
+    size_t ldy = (size_t)f->size + YCI_OVERREAD, ldz = (size_t)f->tallest + YCI_OVERREAD;
+    double *z = work + ldy * (size_t)count;
     int s, r, i;
-    for (r = 0; r < count; r++)
-        for (i = 0; i < f->size; i++) work[(size_t)r * n + (size_t)i] = x[(size_t)r * ldx + (size_t)f->unknown[i]];
+    for (r = 0; r < count; r++) {
+        double *y = work + (size_t)r * ldy;
+        for (i = 0; i < f->size; i++) y[i] = x[(size_t)r * ldx + (size_t)f->unknown[i]];
+        y[f->size] = 0.0;
+    }
     for (s = 0; s < f->supers; s++) {
-        const yci_ldl_super *u = f->super + s;
-        const int *row = f->row + u->row;
-        int below = u->height - u->width;
-        for (r = 0; r < count; r++) {
-            double *own = work + (size_t)r * n + u->first, *to = z + (size_t)r * ldz;
-            for (i = 0; i < u->width; i++) to[i] = own[i];
-            for (; i < u->height; i++) to[i] = 0.0;
-        }
-        yci_ldl_forward(f, u, z, ldz, count);
-        for (r = 0; r < count; r++) {
-            double *y = work + (size_t)r * n, *own = y + u->first, *from = z + (size_t)r * ldz;
-            for (i = 0; i < u->width; i++) own[i] = *from++;
-            for (i = 0; i < below; i++) y[row[i]] += from[i];
-        }
+        yci_trapezoid t = yci_ldl_trapezoid(f, s);
+        f->kernels->forward(&t, work, ldy, count);
     }
+    for (r = 0; r < count; r++) work[(size_t)r * ldy + (size_t)f->size] = 0.0;
     for (s = f->supers - 1; s >= 0; s--) {
-        const yci_ldl_super *u = f->super + s;
-        const int *row = f->row + u->row;
-        int below = u->height - u->width;
-        for (r = 0; r < count; r++) {
-            double *y = work + (size_t)r * n, *own = y + u->first, *to = z + (size_t)r * ldz;
-            for (i = 0; i < u->width; i++) *to++ = own[i];
-            for (i = 0; i < below; i++) to[i] = y[row[i]];
-            for (; i < below + YCI_OVERREAD; i++) to[i] = 0.0;
-        }
-        yci_ldl_backward(f, u, z, ldz, count);
-        for (r = 0; r < count; r++)
-            for (i = 0; i < u->width; i++)
-                work[(size_t)r * n + (size_t)(u->first + i)] = z[(size_t)r * ldz + (size_t)i];
+        yci_trapezoid t = yci_ldl_trapezoid(f, s);
+        f->kernels->backward(&t, work, ldy, count, z, ldz);
     }
     for (r = 0; r < count; r++)
-        for (i = 0; i < f->size; i++) x[(size_t)r * ldx + (size_t)f->unknown[i]] = work[(size_t)r * n + (size_t)i];
+        for (i = 0; i < f->size; i++) x[(size_t)r * ldx + (size_t)f->unknown[i]] = work[(size_t)r * ldy + (size_t)i];
 }
 
 /* The same for any number of them; `work` is for the smaller of count and YCI_RIGHT. */
