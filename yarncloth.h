@@ -207,8 +207,16 @@ typedef struct yc_chol_options {
     /* Unknowns per node, 1 to 8; n must be a multiple. Unknowns b*i to b*i+b-1 form node i and are eliminated together,
      * which is faster when they share their pattern. Default 1. */
     int block;
-    /* n / block nodes: the node eliminated k-th; read during the analysis only. Default NULL: minimum degree. */
+    /* n / block nodes: the node eliminated k-th; read during the analysis only. Default NULL: the library's choice, by
+     * size and pattern, between minimum degree and nested dissection. */
     const int *order;
+    /* n / block numbers >= 0, ignored with `order`: nodes of a lower stage are eliminated before those of a higher one.
+     * Read during the analysis only. Default NULL: no such constraint. */
+    const int *stage;
+    /* YC_CHOL_QUASIDEFINITE: what a pivot block without an inverse has added to its diagonal, away from zero, in the
+     * matrix's unit; >= 0. The factor is then that of a nearby matrix: see yc_chol_refine, and `shifted` in the
+     * statistics. Default 0: such a block is an error. */
+    double shift;
 } yc_chol_options;
 
 /* Fills in the defaults. Options that were not filled in, with a block of 0, are refused. */
@@ -218,6 +226,8 @@ typedef struct yc_chol_statistics {
     double nonzeros; /* numbers in L with its diagonal, with the padding of supernodes */
     double flops;    /* additions and multiplications of one factorisation */
     int supernodes;
+    int pivots;   /* unknowns that the last factorisation eliminated: n, or how far it came before it failed */
+    int shifted;  /* nodes that it had to shift */
     size_t bytes; /* memory of the object */
 } yc_chol_statistics;
 
@@ -229,18 +239,33 @@ typedef struct yc_chol_statistics {
 YC_API yc_result yc_chol_analyze(
     const yc_host *host, int n, const int *ptr, const int *col, const yc_chol_options *options, yc_chol **out);
 
-/* Factors the matrix with values[k] at (row, col[k]). Values above the diagonal are not read. Allocates nothing.
- * Errors: YC_ERROR_ARGUMENT (a value not finite; the previous factor stays), YC_ERROR_NOT_SPD (kind YC_CHOL_SPD: a
- * pivot is not positive, or lost to rounding), YC_ERROR_SINGULAR (the other kind: a pivot block is singular to working
- * precision). The message names the node; after these two there is no factor until the next success. */
+/* Factors the matrix with values[k] at (row, col[k]). Values above the diagonal are not read. The first call makes room
+ * for the factor, later ones allocate nothing. Errors: YC_ERROR_ARGUMENT (a value not finite; the previous factor stays),
+ * YC_ERROR_MEMORY, YC_ERROR_NOT_SPD (kind YC_CHOL_SPD: a pivot is not positive, or lost to rounding),
+ * YC_ERROR_SINGULAR (the other kind: a pivot block is singular to working precision). The message of these two names the
+ * unknown and its place in the order of elimination: what precedes it there is a matrix that has a factor. There is
+ * none for the whole until the next success. */
 YC_API yc_result yc_chol_factor(yc_chol *chol, const double *values);
 
 /* Solves A x = b for `count` right-hand sides x[k * ldx + i], in place, ldx >= n. Up to four are solved in one pass
  * over the factor. YC_ERROR_ARGUMENT, with x untouched, when there is no factor or an argument is out of range. Uses
- * the object's workspace, so one thread at a time. */
+ * the object's workspace, so one thread at a time; several threads solve with one factor at the same time by
+ * yc_chol_solve_with, each with yc_chol_work(chol) numbers of its own. */
 YC_API yc_result yc_chol_solve(const yc_chol *chol, double *x, int count, int ldx);
+YC_API yc_result yc_chol_solve_with(const yc_chol *chol, double *x, int count, int ldx, double *work);
+YC_API size_t yc_chol_work(const yc_chol *chol);
 
-/* Sizes known from the analysis. */
+/* Iterative refinement of x, which yc_chol_solve made of b: at most `steps` times x += inverse(A) (b - A x), as long as
+ * that at least halves the error |b - A x| / (|A| |x| + |b|), in the maximum norm, which *error (NULL: not wanted)
+ * receives; steps = 0 only measures it. The matrix is given as to yc_chol_analyze and yc_chol_factor. `work` as of
+ * yc_chol_solve_with; NULL: the object's. Errors as of yc_chol_solve. */
+YC_API yc_result yc_chol_refine(const yc_chol *chol, const int *ptr, const int *col, const double *values,
+    const double *b, double *x, int steps, double *error, double *work);
+
+/* Writes the n / block nodes in the order of elimination, for yc_chol_options.order of a later run. */
+YC_API yc_result yc_chol_order(const yc_chol *chol, int *order);
+
+/* Sizes, and how the last factorisation went. */
 YC_API yc_result yc_chol_stats(const yc_chol *chol, yc_chol_statistics *out);
 
 /* Why the last yc_chol_factor failed, in words; never NULL. Valid until the next call with this object. */
@@ -2668,7 +2693,7 @@ typedef struct yci_ldl_super {
 typedef struct yci_ldl {
     yci_context *c;
     const yci_kernels *kernels;
-    int spd, size, supers, nodes;
+    int spd, size, supers;
     int factored, pivots, tallest; /* columns factored; rows of the highest front */
     int *order;                    /* nodes: the node eliminated k-th */
     int *unknown;                  /* size: the caller's number of each unknown */
@@ -2689,8 +2714,7 @@ static void yci_ldl_destroy(yci_ldl *f) {
     yci_context *c;
     if (!f) return;
     c = f->c;
-    yci_free(c, f->order), yci_free(c, f->unknown), yci_free(c, f->dim), yci_free(c, f->back), yci_free(c, f->super),
-        yci_free(c, f->row);
+    yci_free(c, f->unknown), yci_free(c, f->dim), yci_free(c, f->back), yci_free(c, f->super), yci_free(c, f->row);
     yci_free(c, f->rel), yci_free(c, f->chunk), yci_free(c, f->run), yci_free(c, f->panel), yci_free(c, f->update);
     yci_free(c, f->reference), yci_free(c, f->scaled), yci_free(c, f->task);
     yci_free(c, f);
@@ -2794,7 +2818,7 @@ static void yci_ldl_amalgamate(yci_ldl_plan *t) {
             double zeros = t->zeros[s] + t->zeros[child] +
                 (double)t->width[child] * (t->height[s] - (t->height[child] - t->width[child]));
             double ratio = zeros / (w * (h - 0.5 * (w - 1.0)));
-            if (!(ratio <= 0.05 || (w <= 48.0 && ratio <= 0.1) || (w <= 16.0 && ratio <= 0.4))) continue;
+            if (!(ratio <= 0.05 || (w <= 48.0 && ratio <= 0.15) || (w <= 16.0 && ratio <= 0.5) || w <= 8.0)) continue;
             t->merged[child] = s, t->zeros[s] = zeros;
             t->width[s] += t->width[child], t->height[s] += t->width[child];
         }
@@ -2999,7 +3023,7 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
     yci_context *c = f->c;
     size_t n = (size_t)f->size, node_rows = 0, rows = 0, chunks = 0;
     int *block, *rank, *super_at, *where, *begin, *node_row, *sorted, s, i, k, a, at = 0, widest = 0;
-    f->supers = t->groups, f->nodes = t->n;
+    f->supers = t->groups;
     for (s = 0; s < f->supers; s++) {
         node_rows += (size_t)t->group[s];
         rows += (size_t)(t->height[s] - t->width[s] + YCI_OVERREAD - 1);
@@ -3063,7 +3087,7 @@ static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const in
     *out = NULL;
     memset(&t, 0, sizeof t);
     t.zeros = YCI_NEW(c, double, size);
-    ok = f && block && t.zeros && run_count <= INT_MAX && (f->order = YCI_RAW(c, int, n)) != NULL;
+    ok = f && block && t.zeros && run_count <= INT_MAX;
     if (ok) {
         f->c = c, f->kernels = yci_kernels_best(), f->spd = spd;
         t.n = n, t.dim = dim, t.ptr = ptr, t.col = col;
@@ -3543,7 +3567,7 @@ static void yci_ic_solve(const yci_ic *f, double *x) {
 
 struct yc_chol {
     yci_context context;
-    int n, lower; /* lower: the pattern holds nothing above the diagonal */
+    int n, block, lower; /* lower: the pattern holds nothing above the diagonal */
     size_t entries;
     yci_ldl *ldl;
     double *work;
@@ -3552,7 +3576,8 @@ struct yc_chol {
 YC_API void yc_chol_options_default(yc_chol_options *options) {
     options->kind = YC_CHOL_SPD;
     options->block = 1;
-    options->order = NULL;
+    options->order = options->stage = NULL;
+    options->shift = 0.0;
 }
 
 YC_API void yc_chol_destroy(yc_chol *chol) {
@@ -3655,8 +3680,8 @@ static yc_result yci_chol_build(yc_chol *chol, const int *ptr, const int *col, c
         for (i = 0; i < nodes; i++) dim[i] = b;
         result = yci_ldl_analyze(c, nodes, dim, graph_ptr, graph_col, options->order, options->kind == YC_CHOL_SPD, run,
             yci_chol_runs(chol->n, b, ptr, col, run), &chol->ldl);
-        if (result == YC_OK && !(chol->work = YCI_RAW(c, double, yci_ldl_work(chol->ldl, YCI_RIGHT))))
-            result = YC_ERROR_MEMORY;
+        if (result == YC_OK && !(chol->work = YCI_RAW(c, double, yc_chol_work(chol)))) result = YC_ERROR_MEMORY;
+        if (result == YC_OK) chol->ldl->shift = options->shift;
     }
     yci_free(c, block), yci_free(c, run), yci_free(c, graph_col);
     return result == YC_ERROR_MEMORY ? yci_out_of_memory(c, "a sparse factorisation") : result;
@@ -3682,12 +3707,14 @@ YC_API yc_result yc_chol_analyze(
             (options->kind != YC_CHOL_SPD && options->kind != YC_CHOL_QUASIDEFINITE)))
         result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: kind is %d, block is %d, n is %d",
             (int)options->kind, options->block, n);
+    if (result == YC_OK && !(options->shift >= 0.0 && options->shift <= DBL_MAX))
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: shift is %g", options->shift);
     if (result == YC_OK && !(chol = YCI_NEW(&c, yc_chol, 1))) result = yci_out_of_memory(&c, "a factorisation");
     if (result != YC_OK) {
         yci_log(&c, "%s", c.message);
         return result;
     }
-    chol->context = c, chol->n = n, chol->entries = (size_t)ptr[n];
+    chol->context = c, chol->n = n, chol->block = options->block, chol->entries = (size_t)ptr[n];
     cursor = YCI_RAW(&chol->context, int, n);
     result = cursor ? yci_chol_check(&chol->context, n, ptr, col, cursor, &chol->lower)
                     : yci_out_of_memory(&chol->context, "a pattern");
@@ -3733,17 +3760,72 @@ YC_API yc_result yc_chol_factor(yc_chol *chol, const double *values) {
     return yci_ldl_factor(chol->ldl, values);
 }
 
-YC_API yc_result yc_chol_solve(const yc_chol *chol, double *x, int count, int ldx) {
-    if (!chol || !chol->ldl->factored || count < 0 || ldx < chol->n || (count && chol->n && !x))
+YC_API size_t yc_chol_work(const yc_chol *chol) { return yci_ldl_work(chol->ldl, YCI_RIGHT) + 2 * (size_t)chol->n; }
+
+YC_API yc_result yc_chol_solve_with(const yc_chol *chol, double *x, int count, int ldx, double *work) {
+    if (!chol || !chol->ldl->factored || count < 0 || ldx < chol->n || (count && chol->n && (!x || !work)))
         return YC_ERROR_ARGUMENT;
-    yci_ldl_solve(chol->ldl, x, count, ldx, chol->work);
+    yci_ldl_solve(chol->ldl, x, count, ldx, work);
+    return YC_OK;
+}
+
+YC_API yc_result yc_chol_solve(const yc_chol *chol, double *x, int count, int ldx) {
+    return chol ? yc_chol_solve_with(chol, x, count, ldx, chol->work) : YC_ERROR_ARGUMENT;
+}
+
+/* r = b - A x from the lower triangle. Returns |r| / (|A| |x| + |b|). */
+static double yci_chol_residual(int n, const int *ptr, const int *col, const double *values, const double *b,
+    const double *x, double *r, double *sum) {
+    double most = 0.0, matrix = 0.0, largest = 0.0, right = 0.0;
+    int i, k;
+    for (i = 0; i < n; i++) {
+        r[i] = b[i], sum[i] = 0.0;
+        right = yci_max(right, fabs(b[i])), largest = yci_max(largest, fabs(x[i]));
+    }
+    for (i = 0; i < n; i++)
+        for (k = ptr[i]; k < ptr[i + 1] && col[k] <= i; k++) {
+            int j = col[k];
+            r[i] -= values[k] * x[j], sum[i] += fabs(values[k]);
+            if (j < i) r[j] -= values[k] * x[i], sum[j] += fabs(values[k]);
+        }
+    for (i = 0; i < n; i++) most = yci_max(most, fabs(r[i])), matrix = yci_max(matrix, sum[i]);
+    return most > 0.0 ? most / (matrix * largest + right) : 0.0;
+}
+
+YC_API yc_result yc_chol_refine(const yc_chol *chol, const int *ptr, const int *col, const double *values,
+    const double *b, double *x, int steps, double *error, double *work) {
+    double *r, *other, before, after;
+    int i, n, step;
+    if (!chol || !chol->ldl->factored || !ptr || steps < 0 || (chol->entries && (!col || !values)) ||
+        (chol->n && (!b || !x)))
+        return YC_ERROR_ARGUMENT;
+    if (!work) work = chol->work;
+    n = chol->n, r = work + yci_ldl_work(chol->ldl, YCI_RIGHT), other = r + n;
+    before = yci_chol_residual(n, ptr, col, values, b, x, r, other);
+    for (step = 0; step < steps && before > 0.0; step++, before = after) {
+        yci_ldl_solve(chol->ldl, r, 1, n, work);
+        for (i = 0; i < n; i++) r[i] += x[i];
+        after = yci_chol_residual(n, ptr, col, values, b, r, other, work);
+        if (!(after <= 0.5 * before)) break;
+        for (i = 0; i < n; i++) x[i] = r[i], r[i] = other[i];
+    }
+    if (error) *error = before;
+    return YC_OK;
+}
+
+YC_API yc_result yc_chol_order(const yc_chol *chol, int *order) {
+    int k;
+    if (!chol || (chol->n && !order)) return YC_ERROR_ARGUMENT;
+    for (k = 0; k < chol->ldl->size; k += chol->block) order[k / chol->block] = chol->ldl->unknown[k] / chol->block;
     return YC_OK;
 }
 
 YC_API yc_result yc_chol_stats(const yc_chol *chol, yc_chol_statistics *out) {
+    int s;
     if (!chol || !out) return YC_ERROR_ARGUMENT;
-    out->nonzeros = chol->ldl->nonzeros, out->flops = chol->ldl->flops;
-    out->supernodes = chol->ldl->supers, out->bytes = chol->context.bytes;
+    out->nonzeros = chol->ldl->nonzeros, out->flops = chol->ldl->flops, out->supernodes = chol->ldl->supers;
+    out->pivots = chol->ldl->pivots, out->bytes = chol->context.bytes;
+    for (s = 0, out->shifted = 0; s < out->supernodes; s++) out->shifted += chol->ldl->super[s].repaired;
     return YC_OK;
 }
 
