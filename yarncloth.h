@@ -1619,7 +1619,7 @@ typedef struct yci_order_node {
     int degree;        /* variable: bound on its external degree; element: weight of its front */
     int outside;       /* element: its weight outside the newest front, over `base`; variable: a hash */
     int mark;          /* stamp of the comparison that met it last */
-    int key;           /* variable: the bucket it stands in, at most its degree; -1: in none yet */
+    int key;           /* variable: the bucket it stands in, at most its degree; -1: none yet; -2: left out */
 } yci_order_node;
 
 /* What is touched less often: neighbours in a bucket (the first one's previous is the last); the ring of nodes numbered
@@ -1636,6 +1636,7 @@ typedef struct yci_order_graph {
     int *head, lowest, alive;                    /* n + 1 buckets by degree, the last for n and more; a low bound */
     int *table, table_mask;                      /* hash table over the newest front */
     const int *stage;
+    double unit, flops;      /* unknowns of a weight of 1; squared column counts */
     int stamp, base, widest; /* what `outside` was for earlier fronts is below `base`; widest: the heaviest front */
 } yci_order_graph;
 
@@ -1644,6 +1645,7 @@ typedef struct yci_order_graph {
 typedef struct yci_order_fronts {
     int known, count;
     int *size, *below, *parent;
+    double flops; /* of the factorisation: squared column counts */
 } yci_order_fronts;
 
 static void yci_order_file(yci_order_graph *g, int v) {
@@ -1810,7 +1812,8 @@ static void yci_order_finish(yci_order_graph *g, int p) {
  * weight left in the front. */
 static int yci_order_step(yci_order_graph *g, int p) {
     yci_order_node *pivot = g->node + p;
-    int weight = pivot->weight, direct = !pivot->elements, base, k, i;
+    int weight = pivot->weight, direct = !pivot->elements, before = g->alive, base, k, i;
+    double below, height;
     const int *front;
     if (g->base > INT_MAX / 2) /* weights are far below that: see yci_order_minimum_degree */
         for (k = 0, g->base = 1; k < g->n; k++) g->node[k].outside = 0;
@@ -1823,6 +1826,7 @@ static int yci_order_step(yci_order_graph *g, int p) {
         yci_order_node *v = g->node + front[0];
         v->weight = -v->weight, v->degree -= weight, pivot->degree = 0, pivot->elements = front[0];
         if (v->degree < v->key) yci_order_unfile(g, front[0]), yci_order_file(g, front[0]);
+        g->flops += (double)weight * v->weight * (v->weight + weight);
         return v->weight;
     }
     for (k = 0; k < pivot->length; k++) {
@@ -1848,6 +1852,8 @@ static int yci_order_step(yci_order_graph *g, int p) {
     pivot->weight = 0;
     yci_order_find_alike(g, front, pivot->length);
     yci_order_finish(g, p);
+    below = pivot->degree, height = below + before - g->alive;
+    g->flops += (height * height * height - below * below * below) / 3.0;
     return pivot->degree;
 }
 
@@ -1860,16 +1866,20 @@ static void yci_order_sort(int n, const int *stage, int *order, int *begin) {
     for (i = 0; i < n; i++) order[begin[stage[i]]++] = i;
 }
 
+/* A node with more neighbours is left out: every step would touch it. */
+static int yci_order_limit(int n) { return (int)(10.0 * sqrt((double)n)) + 16; }
+
 /* The graph at the start. Nodes with very many neighbours would be touched by every step: they are left out (weight 0)
  * and come last in their stage, after them nodes without unknowns. Weights are unknowns over their common divisor.
  * Returns whether all are 1 and only nodes without unknowns left out. */
 static int yci_order_fill(yci_order_graph *g, const int *dim, const int *ptr, const int *col) {
-    int limit = (int)(10.0 * sqrt((double)g->n)) + 16, divisor = 0, plain = 1, i, k;
+    int limit = yci_order_limit(g->n), divisor = 0, plain = 1, i, k;
     for (i = 0; i < g->n; i++) {
         int a = dim[i], b = divisor;
         while (b) k = a % b, a = b, b = k;
         divisor = a;
     }
+    g->unit = divisor;
     for (i = 0; i < g->n; i++) {
         g->node[i].weight = ptr[i + 1] - ptr[i] > limit || !dim[i] ? 0 : dim[i] / divisor;
         g->alive += g->node[i].weight, plain &= g->node[i].weight == 1 || !dim[i];
@@ -1882,7 +1892,8 @@ static int yci_order_fill(yci_order_graph *g, const int *dim, const int *ptr, co
             if (weight && j != i) list[kept++] = j;
             degree += weight;
         }
-        v->begin = ptr[i], v->elements = 0, v->length = kept, v->degree = degree, v->mark = 0, v->key = -1;
+        v->begin = ptr[i], v->elements = 0, v->length = kept, v->degree = degree, v->mark = 0,
+        v->key = v->weight ? -1 : -2;
         g->link[i].ring = i;
     }
     for (i = 0; i <= g->n; i++) g->head[i] = -1;
@@ -1896,11 +1907,12 @@ static void yci_order_stage(
     int k, i, pass, p;
     for (pass = 0; pass < 2; pass++) /* those left out to the end */
         for (k = end - 1, i = end; k >= begin; k--) {
-            int v = order[k], last = pass ? !g->node[v].weight : !dim[v];
+            int v = order[k], last = pass ? g->node[v].key == -2 : !dim[v];
             if (last) order[k] = order[--i], order[i] = v;
         }
     end = i;
-    for (k = begin; k < end; k++) yci_order_file(g, order[k]);
+    for (k = begin; k < end; k++) /* without those that became alike before */
+        if (g->node[order[k]].weight) yci_order_file(g, order[k]);
     for (k = begin; k < end;) {
         int s = fronts->count++;
         p = yci_order_next(g);
@@ -1911,8 +1923,8 @@ static void yci_order_stage(
     }
 }
 
-/* Fills `order` with all n nodes, and the arrays of `fronts` (n each). With `stage` (numbers from 0 to n - 1), every node
- * of a stage comes before those of higher ones. */
+/* Fills `order` with all n nodes, and the arrays of `fronts` (n each). With `stage` (numbers from 0 to n - 1), every
+ * node of a stage comes before those of higher ones. */
 static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim, const int *ptr, const int *col,
     const int *stage, int *order, yci_order_fronts *fronts) {
     yci_order_graph g;
@@ -1938,12 +1950,356 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
         for (end = begin + 1; end < n && (!stage || stage[order[end]] == stage[order[begin]]);) end++;
         yci_order_stage(&g, dim, order, begin, end, fronts);
     }
+    fronts->flops = g.flops * g.unit * g.unit * g.unit;
     for (s = 0; s < fronts->count; s++) {
         int taken = g.node[fronts->parent[s]].elements;
         fronts->parent[s] = taken < 0 ? -1 : g.link[taken].chain;
     }
     yci_free(c, block);
     return YC_OK;
+}
+
+/* -------------------------------------------------------------------------------------------- nested dissection --- */
+
+/* Multilevel vertex separators (Karypis and Kumar, A fast and high quality multilevel scheme for partitioning irregular
+ * graphs, SIAM J. Sci. Comput. 20, 1998; the improvement is of the kind of Fiduccia and Mattheyses, 1982). Stars of a few
+ * vertices become vertices of a coarser graph, the coarsest is cut by breadth-first growth, and on the way back the
+ * separator is improved on every level: vertices leave it to one side, what they touch on the other comes in, and the
+ * best moment is kept. Sides are cut again until they are small. Minimum degree then orders the whole graph with pieces
+ * and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
+#define YCI_DISSECT_LEAF 500    /* vertices of a graph that is not cut */
+#define YCI_DISSECT_COARSEST 60 /* of one that is not coarsened */
+#define YCI_DISSECT_STAR 3      /* of a star; twice as many in the finest graph */
+#define YCI_DISSECT_TRIES 4     /* cuts of the coarsest graph */
+#define YCI_DISSECT_BALANCE 0.6 /* the most of the weight that one side may have */
+#define YCI_DISSECT_PATIENCE 10 /* moves without gain in a sweep, beyond the size of the separator */
+
+typedef struct yci_dissect_graph {
+    int n, total;          /* vertices, their weight */
+    int *ptr, *col, *tied; /* neighbours without the vertex itself; how many edges each stands for (NULL: one) */
+    int *weight, *side;    /* side: 0, 1, or 2 in the separator */
+    int *map, *id;         /* the vertex of the coarser graph; the caller's node (only where edges stand for one) */
+} yci_dissect_graph;
+
+typedef struct yci_dissect {
+    int *arena, used, size;               /* graphs, as a stack */
+    int *heap, *place, *gain, heap_count; /* vertices of the separator, greatest gain first; place -1: not there */
+    int *rim, rim_count;                  /* all that have been in the separator during a sweep */
+    int *moved, *rim_before, *table, *best;
+    int weight[3]; /* of both sides and of the separator */
+    int *stage, stages;
+} yci_dissect;
+
+static int *yci_dissect_take(yci_dissect *d, int count) {
+    int *block = d->arena + d->used;
+    d->used += count;
+    return block;
+}
+
+/* Room for a graph; 0 if there is none, or not for the graphs to come. */
+static int yci_dissect_open(yci_dissect *d, yci_dissect_graph *g, int n, int entries, int tied) {
+    if (entries > (d->size - d->used - 5 * n - 1) / (1 + tied)) return 0;
+    g->n = n, g->total = 0;
+    g->ptr = yci_dissect_take(d, n + 1), g->weight = yci_dissect_take(d, n), g->side = yci_dissect_take(d, n);
+    g->map = yci_dissect_take(d, n), g->tied = tied ? yci_dissect_take(d, entries) : NULL;
+    g->id = tied ? NULL : yci_dissect_take(d, n);
+    g->col = yci_dissect_take(d, entries), g->ptr[0] = 0;
+    return 1;
+}
+
+/* Gathers stars: every free vertex with its free neighbours across the heaviest edges, the lightest of them first.
+ * Leaves their members in `table` and numbers the stars. */
+static int yci_dissect_gather(yci_dissect *d, yci_dissect_graph *g) {
+    int star = g->tied ? YCI_DISSECT_STAR : 2 * YCI_DISSECT_STAR, i, k, more, used = 0, count = 0, *begin = d->moved;
+    int most = 3 * (g->total / YCI_DISSECT_COARSEST) + 1;
+    for (i = 0; i < g->n; i++) g->map[i] = -1;
+    for (i = 0; i < g->n; i++) {
+        int weight = g->weight[i];
+        if (g->map[i] >= 0) continue;
+        g->map[i] = count, begin[count] = used, d->table[used++] = i;
+        for (more = 1; more < star; more++) {
+            int best = -1, heaviest = 0;
+            for (k = g->ptr[i]; k < g->ptr[i + 1]; k++) {
+                int j = g->col[k], rank = g->tied ? g->tied[k] : 1;
+                if (g->map[j] >= 0 || rank < heaviest || weight + g->weight[j] > most) continue;
+                if (rank == heaviest && g->weight[j] >= g->weight[best]) continue;
+                best = j, heaviest = rank;
+            }
+            if (best < 0) break;
+            g->map[best] = count, d->table[used++] = best, weight += g->weight[best];
+        }
+        count++;
+    }
+    begin[count] = used;
+    return count;
+}
+
+/* The graph of the stars. An edge met again is found by its slot; the first slot of a vertex stands for the edges inside
+ * and is filled by the last one in the end. Returns 0 if it is not worth it. */
+static int yci_dissect_coarsen(yci_dissect *d, yci_dissect_graph *g, yci_dissect_graph *coarse) {
+    int count = yci_dissect_gather(d, g), i, k, m, used = 0, *slot = d->best;
+    if (count > g->n - g->n / 8 || !yci_dissect_open(d, coarse, count, g->ptr[g->n] + count, 1)) return 0;
+    coarse->total = g->total;
+    for (i = 0; i < count; i++) slot[i] = -1;
+    for (i = 0; i < count; i++) {
+        int begin = used;
+        slot[i] = used++, coarse->col[begin] = i, coarse->tied[begin] = 0, coarse->weight[i] = 0;
+        for (m = d->moved[i]; m < d->moved[i + 1]; m++) {
+            int v = d->table[m];
+            coarse->weight[i] += g->weight[v];
+            for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) {
+                int j = g->map[g->col[k]], at = slot[j], fresh = at < begin;
+                at = fresh ? used : at, used += fresh;
+                slot[j] = at, coarse->col[at] = j;
+                coarse->tied[at] = (coarse->tied[at] & (fresh - 1)) + (g->tied ? g->tied[k] : 1);
+            }
+        }
+        used--, coarse->col[begin] = coarse->col[used], coarse->tied[begin] = coarse->tied[used];
+        slot[coarse->col[begin]] = -1;
+        coarse->ptr[i + 1] = used;
+    }
+    d->used -= g->ptr[g->n] + count - used; /* `col` was taken last */
+    return 1;
+}
+
+static void yci_dissect_raise(yci_dissect *d, int v, int at) {
+    while (at > 0 && d->gain[d->heap[(at - 1) / 2]] < d->gain[v]) {
+        d->heap[at] = d->heap[(at - 1) / 2], d->place[d->heap[at]] = at, at = (at - 1) / 2;
+    }
+    d->heap[at] = v, d->place[v] = at;
+}
+
+static int yci_dissect_pop(yci_dissect *d) {
+    int first = d->heap[0], v = d->heap[--d->heap_count], at = 0, child;
+    for (child = 1; child < d->heap_count; at = child, child = 2 * at + 1) {
+        if (child + 1 < d->heap_count && d->gain[d->heap[child + 1]] > d->gain[d->heap[child]]) child++;
+        if (d->gain[d->heap[child]] <= d->gain[v]) break;
+        d->heap[at] = d->heap[child], d->place[d->heap[at]] = at;
+    }
+    d->heap[at] = v, d->place[v] = at, d->place[first] = -1;
+    return first;
+}
+
+/* Vertex v of the separator waits to be moved away from side `other`: what it gains is its own weight, less that of its
+ * neighbours there, which would follow it into the separator. */
+static void yci_dissect_push(yci_dissect *d, const yci_dissect_graph *g, int v, int other) {
+    int k, gain = g->weight[v];
+    for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) gain -= g->side[g->col[k]] == other ? g->weight[g->col[k]] : 0;
+    d->gain[v] = gain;
+    yci_dissect_raise(d, v, d->heap_count++);
+}
+
+/* Vertex u comes from side `other` into the separator; its neighbours there gain by that. */
+static void yci_dissect_pull(yci_dissect *d, yci_dissect_graph *g, int u, int other) {
+    int k, w = g->weight[u];
+    g->side[u] = 2, d->rim[d->rim_count++] = u;
+    d->weight[other] -= w, d->weight[2] += w;
+    for (k = g->ptr[u]; k < g->ptr[u + 1]; k++) {
+        int x = g->col[k];
+        if (g->side[x] == 2 && d->place[x] >= 0) d->gain[x] += w, yci_dissect_raise(d, x, d->place[x]);
+    }
+    yci_dissect_push(d, g, u, other);
+}
+
+/* Moves vertices of the separator to side `to`, best first, and goes back to the best moment. Returns whether the
+ * separator has become lighter. */
+static int yci_dissect_sweep(yci_dissect *d, yci_dissect_graph *g, int to) {
+    int other = 1 - to, most = (int)(YCI_DISSECT_BALANCE * g->total) + 1, moves = 0, best = 0, k, kept = 0;
+    int patience = YCI_DISSECT_PATIENCE + d->rim_count, least = d->weight[2], before = least,
+        apart = abs(d->weight[0] - d->weight[1]);
+    for (k = 0, d->heap_count = 0; k < d->rim_count; k++) yci_dissect_push(d, g, d->rim[k], other);
+    while (d->heap_count && moves - best < patience) {
+        int v = yci_dissect_pop(d), w = g->weight[v], now;
+        if (d->weight[to] + w > most) continue;
+        d->moved[moves] = v, d->rim_before[moves++] = d->rim_count;
+        g->side[v] = to, d->weight[to] += w, d->weight[2] -= w;
+        for (k = g->ptr[v]; k < g->ptr[v + 1]; k++)
+            if (g->side[g->col[k]] == other) yci_dissect_pull(d, g, g->col[k], other);
+        now = abs(d->weight[0] - d->weight[1]);
+        if (d->weight[2] < least || (d->weight[2] == least && now < apart))
+            least = d->weight[2], apart = now, best = moves;
+    }
+    while (d->heap_count) d->place[d->heap[--d->heap_count]] = -1;
+    while (moves > best) {
+        int v = d->moved[--moves];
+        g->side[v] = 2, d->weight[to] -= g->weight[v], d->weight[2] += g->weight[v];
+        while (d->rim_count > d->rim_before[moves]) {
+            int u = d->rim[--d->rim_count];
+            g->side[u] = other, d->weight[other] += g->weight[u], d->weight[2] -= g->weight[u];
+        }
+    }
+    for (k = 0; k < d->rim_count; k++)
+        if (g->side[d->rim[k]] == 2) d->rim[kept++] = d->rim[k];
+    d->rim_count = kept;
+    return least < before;
+}
+
+/* Sweeps to the lighter side first and then in turns, until neither way gains. */
+static void yci_dissect_refine(yci_dissect *d, yci_dissect_graph *g) {
+    int i, to, idle = 0;
+    d->rim_count = 0, d->weight[0] = d->weight[1] = d->weight[2] = 0;
+    for (i = 0; i < g->n; i++) {
+        d->weight[g->side[i]] += g->weight[i];
+        if (g->side[i] == 2) d->rim[d->rim_count++] = i;
+    }
+    for (to = d->weight[0] > d->weight[1]; idle < 2; to = 1 - to) idle = yci_dissect_sweep(d, g, to) ? 0 : idle + 1;
+}
+
+/* Grows side 0 from a vertex, breadth first, to half of the weight; those waiting then are the separator. */
+static void yci_dissect_grow(yci_dissect *d, yci_dissect_graph *g, int seed) {
+    int *queue = d->rim, head = 0, tail = 0, grown = 0, i, k;
+    for (i = 0; i < g->n; i++) g->side[i] = 1;
+    for (i = seed; grown < g->total / 2; i = (i + 1) % g->n) { /* on from the next piece when one is used up */
+        if (g->side[i] == 1) g->side[i] = 2, queue[tail++] = i;
+        while (head < tail && grown < g->total / 2) {
+            int v = queue[head++];
+            g->side[v] = 0, grown += g->weight[v];
+            for (k = g->ptr[v]; k < g->ptr[v + 1]; k++)
+                if (g->side[g->col[k]] == 1) g->side[g->col[k]] = 2, queue[tail++] = g->col[k];
+        }
+    }
+}
+
+/* Leaves the separator in g->side and the weights of the parts in d->weight. */
+static void yci_dissect_cut(yci_dissect *d, yci_dissect_graph *g) {
+    yci_dissect_graph coarse;
+    int used = d->used, i, trial, best = INT_MAX;
+    if (g->n > YCI_DISSECT_COARSEST && yci_dissect_coarsen(d, g, &coarse)) {
+        yci_dissect_cut(d, &coarse);
+        for (i = 0; i < g->n; i++) g->side[i] = coarse.side[g->map[i]];
+        d->used = used;
+    } else {
+        for (trial = 0; trial < YCI_DISSECT_TRIES; trial++) {
+            yci_dissect_grow(d, g, (int)((double)g->n * trial / YCI_DISSECT_TRIES));
+            yci_dissect_refine(d, g);
+            if (d->weight[2] < best) {
+                best = d->weight[2];
+                for (i = 0; i < g->n; i++) d->best[i] = g->side[i];
+            }
+        }
+        for (i = 0; i < g->n; i++) g->side[i] = d->best[i];
+    }
+    yci_dissect_refine(d, g);
+}
+
+/* The part of g on one side. */
+static int yci_dissect_extract(yci_dissect *d, const yci_dissect_graph *g, int side, yci_dissect_graph *part) {
+    int *index = d->best, count = 0, entries = 0, i, k, used = 0;
+    for (i = 0; i < g->n; i++)
+        if (g->side[i] == side) index[i] = count++, entries += g->ptr[i + 1] - g->ptr[i];
+    if (!yci_dissect_open(d, part, count, entries, 0)) return 0;
+    for (i = 0, count = 0; i < g->n; i++) {
+        if (g->side[i] != side) continue;
+        part->id[count] = g->id[i], part->total += part->weight[count] = g->weight[i];
+        for (k = g->ptr[i]; k < g->ptr[i + 1]; k++)
+            if (g->side[g->col[k]] == side) part->col[used++] = index[g->col[k]];
+        part->ptr[++count] = used;
+    }
+    d->used -= entries - used;
+    return 1;
+}
+
+/* Gives the vertices of g their stages: both sides and then the separator, or all the same one. */
+static void yci_dissect_split(yci_dissect *d, yci_dissect_graph *g) {
+    yci_dissect_graph part;
+    int used = d->used, side, i, cut = g->n > YCI_DISSECT_LEAF;
+    if (cut) {
+        yci_dissect_cut(d, g);
+        cut = d->weight[0] && d->weight[1] && d->weight[2] < g->total / 3;
+    }
+    for (side = 0; side < 2 && cut; side++) {
+        if (yci_dissect_extract(d, g, side, &part)) yci_dissect_split(d, &part);
+        else cut = 0;
+        d->used = used;
+    }
+    for (i = 0; i < g->n; i++)
+        if (!cut || g->side[i] == 2) d->stage[g->id[i]] = d->stages;
+    d->stages++;
+}
+
+/* The whole graph, without nodes that have no unknowns or very many neighbours; those make the last stage. Vertices are
+ * numbered breadth first, so that neighbours are near each other in memory. */
+static void yci_dissect_nodes(yci_dissect *d, int n, const int *dim, const int *ptr, const int *col) {
+    yci_dissect_graph g;
+    int i, k, seed, count = 0, used = 0, *index = d->best, *queue = d->rim, limit = yci_order_limit(n);
+    for (i = 0; i < n; i++) index[i] = dim[i] && ptr[i + 1] - ptr[i] <= limit ? -1 : -2;
+    for (i = 0, seed = 0; seed < n; seed++) {
+        if (index[seed] == -1) index[seed] = count, queue[count++] = seed;
+        for (; i < count; i++)
+            for (k = ptr[queue[i]]; k < ptr[queue[i] + 1]; k++)
+                if (index[col[k]] == -1) index[col[k]] = count, queue[count++] = col[k];
+    }
+    yci_dissect_open(d, &g, count, ptr[n] - n, 0);
+    for (i = 0; i < count; i++) {
+        int v = g.id[i] = queue[i];
+        g.total += g.weight[i] = dim[v];
+        for (k = ptr[v]; k < ptr[v + 1]; k++)
+            if (col[k] != v && index[col[k]] >= 0) g.col[used++] = index[col[k]];
+        g.ptr[i + 1] = used;
+    }
+    for (i = 0; i < n; i++) d->stage[i] = -1;
+    if (count) yci_dissect_split(d, &g);
+    for (i = 0; i < n; i++)
+        if (d->stage[i] < 0) d->stage[i] = d->stages;
+}
+
+/* As yci_order_minimum_degree, by nested dissection. Minimum degree works on a copy sorted by stages, most of whose steps
+ * stay within the cache. */
+static yc_result yci_order_dissect(
+    yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order, yci_order_fronts *fronts) {
+    yci_dissect d;
+    size_t size = (size_t)n, arena = 10 * size + 4 * (size_t)ptr[n] + 64;
+    int *block = NULL, *at, *index, *sorted_ptr, *sorted_col, *sorted_dim, *sorted_stage, i, k, used = 0;
+    yc_result result;
+    memset(&d, 0, sizeof d);
+    if (arena <= (size_t)INT_MAX - 12 * size) block = YCI_NEW(c, int, 11 * size + 1 + arena);
+    if (!block) return yci_out_of_memory(c, "an elimination order");
+    d.size = (int)arena;
+    d.heap = at = block, d.place = at += n, d.gain = at += n, d.rim = at += n, d.rim_before = at += n;
+    d.table = at += n, d.best = at += n, d.stage = at += n, d.moved = at += n, d.arena = at + n + 1;
+    memset(d.place, -1, size * sizeof(int));
+    yci_dissect_nodes(&d, n, dim, ptr, col);
+    index = d.place, d.used = 0, sorted_ptr = yci_dissect_take(&d, n + 1), sorted_col = yci_dissect_take(&d, ptr[n]);
+    sorted_dim = d.heap, sorted_stage = d.gain, at = d.rim;
+    yci_order_sort(n, d.stage, at, index);
+    for (i = 0; i < n; i++) index[at[i]] = i;
+    for (i = 0; i < n; i++) {
+        int v = at[i];
+        sorted_dim[i] = dim[v], sorted_stage[i] = d.stage[v], sorted_ptr[i] = used;
+        for (k = ptr[v]; k < ptr[v + 1]; k++) sorted_col[used++] = index[col[k]];
+    }
+    sorted_ptr[n] = used;
+    result = yci_order_minimum_degree(c, n, sorted_dim, sorted_ptr, sorted_col, sorted_stage, order, fronts);
+    for (i = 0; i < n; i++) order[i] = at[order[i]];
+    yci_free(c, block);
+    return result;
+}
+
+/* Minimum degree; and dissection where the order is good for so many factorisations that what it may save, about a
+ * quarter of the operations from this size on, outweighs the few microseconds that it takes per node. The better one is
+ * kept: on regular grids of medium size that is often minimum degree. */
+#define YCI_ORDER_SMALL 6000    /* nodes */
+#define YCI_ORDER_WORTH 30000.0 /* operations per node */
+
+static yc_result yci_order_auto(
+    yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order, yci_order_fronts *fronts) {
+    yci_order_fronts other;
+    size_t size = (size_t)n, bytes;
+    yc_result result = yci_order_minimum_degree(c, n, dim, ptr, col, NULL, order, fronts);
+    int *block;
+    if (result != YC_OK || n < YCI_ORDER_SMALL || fronts->flops < YCI_ORDER_WORTH * n) return result;
+    block = YCI_NEW(c, int, 4 * size);
+    if (!block) return yci_out_of_memory(c, "an elimination order");
+    other.size = block + size, other.below = other.size + n, other.parent = other.below + n;
+    result = yci_order_dissect(c, n, dim, ptr, col, block, &other);
+    if (result == YC_OK && other.flops < fronts->flops) {
+        bytes = (size_t)other.count * sizeof(int);
+        memcpy(order, block, size * sizeof(int)), memcpy(fronts->size, other.size, bytes);
+        memcpy(fronts->below, other.below, bytes), memcpy(fronts->parent, other.parent, bytes);
+        fronts->count = other.count, fronts->known = other.known, fronts->flops = other.flops;
+    }
+    yci_free(c, block);
+    return result;
 }
 
 /* ------------------------------------------------------------------------------------ direct: symbolic analysis --- */
@@ -2108,7 +2464,7 @@ static void yci_ldl_take_fronts(yci_ldl_plan *t, int count) {
 #define YCI_LDL_FRONT 150.0
 #define YCI_LDL_FLOP (1.0 / 60.0)
 #define YCI_LDL_ENTRY 0.5
-#define YCI_LDL_ZERO 1.0
+#define YCI_LDL_ZERO 6.0
 
 static double yci_ldl_cost(double width, double height) {
     double below = height - width;
@@ -2339,7 +2695,7 @@ static yc_result yci_ldl_analyze(
         t.super_of = at += size, t.super_parent = at += size, t.below = at += size, t.width = at += size;
         t.height = at += size, t.group = at += size, at += size;
         fronts.size = t.width, fronts.below = t.below, fronts.parent = t.super_parent;
-        if (!order) result = yci_order_minimum_degree(c, n, dim, ptr, col, NULL, at, &fronts);
+        if (!order) result = yci_order_auto(c, n, dim, ptr, col, at, &fronts);
         for (i = 0; i < n; i++) t.pos[i] = -1;
         for (i = 0; result == YC_OK && i < n; i++) {
             int v = order ? order[i] : at[i];

@@ -380,7 +380,7 @@ TEST(sparse_refusals) {
 TEST(sparse_order) {
     enum { N = 2500 };
     static int pair[4 * N][2], dim[N], order[N], seen[N], size[N], below[N], parent[N];
-    yci_order_fronts fronts = {0, 0, size, below, parent};
+    yci_order_fronts fronts = {0, 0, size, below, parent, 0.0};
     uint64_t seed = 1;
     int trial, i;
     for (trial = 0; trial < 6; trial++) {
