@@ -2441,229 +2441,696 @@ static void yci_bsr_multiply(yci_context *c, const yci_bsr *m, const double *x, 
 /* The quotient graph. A node is a variable until it is eliminated and an element from then on. A variable's list holds
  * its elements first and then its variables, in the room that its neighbours had at the start, which always suffices:
  * it gains one element (the pivot) only when it loses the pivot itself or an element that the pivot absorbed. An
- * element's list holds the variables of its front, in a pool that is squeezed when full. Variables that became alike
- * stand as one, with a weight; `follower` chains what is numbered together. */
+ * element's list holds the variables of its front: where the pivot's own list was if that had no elements, otherwise
+ * in a pool that is squeezed when full. Variables that became alike stand as one, with the sum of their weights. */
+typedef struct yci_order_node {
+    int begin, length; /* its list in `list` */
+    int elements;      /* variable: how many its list starts with; element: the pivot that absorbed it */
+    int weight;        /* variable: what it stands for, negative in the newest front; 0: merged or element */
+    int degree;        /* variable: bound on its external degree; element: weight of its front */
+    int outside;       /* element: its weight outside the newest front, over `base`; variable: a hash */
+    int mark;          /* stamp of the comparison that met it last */
+    int key;           /* variable: the bucket it stands in, at most its degree; -1: none yet; -2: left out */
+} yci_order_node;
+
+/* What is touched less often: neighbours in a bucket (the first one's previous is the last); the ring of nodes numbered
+ * together; the next with this hash, and in the end the number of the front. */
+typedef struct yci_order_link {
+    int next, previous, ring, chain;
+} yci_order_link;
+
 typedef struct yci_order_graph {
     int n;
-    int *begin, *elements, *variables, *list; /* per variable: start of its list in `list`, entries of both kinds */
-    int *front, *length, *degree_of;          /* per element: start in pool, entries (0: dead), their weight */
-    int *pool, pool_used;
-    int *weight;                 /* variables merged into this one; 0: merged away or eliminated */
-    int *degree;                 /* approximate external degree */
-    int *head, *next, *previous; /* lists of the variables of each degree */
-    int *follower, *tail;
-    int *mark, *outside, *bucket, *chain; /* work: stamps; weight outside the new front; hash table */
-    int stamp, stamp_outside, widest;     /* widest: the heaviest front so far */
+    yci_order_node *node;
+    yci_order_link *link;
+    int *list, pool_begin, pool_used, pool_size; /* the variables' lists, then the pool */
+    int *head, lowest, alive;                    /* n + 1 buckets by degree, the last for n and more; a low bound */
+    int *table, table_mask;                      /* hash table over the newest front */
+    const int *stage;
+    double unit, flops;      /* unknowns of a weight of 1; squared column counts */
+    int stamp, base, widest; /* what `outside` was for earlier fronts is below `base`; widest: the heaviest front */
 } yci_order_graph;
 
-static void yci_order_unlink(yci_order_graph *g, int v) {
-    if (g->next[v] >= 0) g->previous[g->next[v]] = g->previous[v];
-    if (g->previous[v] >= 0) g->next[g->previous[v]] = g->next[v];
-    else g->head[g->degree[v]] = g->next[v];
+/* What elimination learns of the fronts that it forms, in the order of elimination: nodes eliminated, the weight left,
+ * the front that takes it in (-1: none). Known are they if all weights are 1 and no node was left out. */
+typedef struct yci_order_fronts {
+    int known, count;
+    int *size, *below, *parent;
+    double flops; /* of the factorisation: squared column counts */
+} yci_order_fronts;
+
+static void yci_order_file(yci_order_graph *g, int v) {
+    yci_order_link *link = g->link + v;
+    int key = g->node[v].degree < g->n ? g->node[v].degree : g->n, first = g->head[key];
+    link->next = -1, link->previous = v;
+    if (first >= 0)
+        link->previous = g->link[first].previous, g->link[link->previous].next = v, g->link[first].previous = v;
+    else g->head[key] = v;
+    g->node[v].key = key;
+    if (key < g->lowest) g->lowest = key;
 }
 
-static void yci_order_link(yci_order_graph *g, int v) {
-    int first = g->head[g->degree[v]];
-    g->previous[v] = -1, g->next[v] = first;
-    if (first >= 0) g->previous[first] = v;
-    g->head[g->degree[v]] = v;
+static void yci_order_unfile(yci_order_graph *g, int v) {
+    const yci_order_link *link = g->link + v;
+    int *head = &g->head[g->node[v].key];
+    g->link[link->next >= 0 ? link->next : *head].previous = link->previous;
+    if (*head != v) g->link[link->previous].next = link->next;
+    else *head = link->next;
 }
 
-/* Variable v joins `into`: it will be numbered right after it. */
+/* Takes out a variable of least degree. Buckets are lazy: a variable moves at once when its degree falls, but when it
+ * grew, or the variable is gone, that is seen only here. */
+static int yci_order_next(yci_order_graph *g) {
+    for (;;) {
+        int v;
+        while (g->head[g->lowest] < 0) g->lowest++;
+        v = g->head[g->lowest];
+        yci_order_unfile(g, v);
+        if (!g->node[v].weight) continue;
+        if (g->node[v].degree <= g->lowest || g->lowest == g->n) return v;
+        yci_order_file(g, v);
+    }
+}
+
+/* Variable v joins `into` and is numbered together with it: their rings become one. */
 static void yci_order_merge(yci_order_graph *g, int v, int into) {
-    g->weight[into] += g->weight[v], g->weight[v] = 0;
-    g->follower[g->tail[into]] = v, g->tail[into] = g->tail[v];
+    int ring = g->link[v].ring;
+    g->link[v].ring = g->link[into].ring, g->link[into].ring = ring;
+    g->node[into].weight += g->node[v].weight, g->node[v].weight = 0;
 }
 
-/* Moves the live elements' lists together, oldest first; they were made in pool order, which `sequence` tells. */
-static void yci_order_squeeze(yci_order_graph *g, const int *sequence, int count) {
-    int used = 0, k, i;
-    for (k = 0; k < count; k++) {
-        int e = sequence[k], from = g->front[e], kept = 0;
-        if (!g->length[e]) continue;
-        for (i = 0; i < g->length[e]; i++)
-            if (g->weight[g->pool[from + i]]) g->pool[used + kept++] = g->pool[from + i];
-        g->front[e] = used, g->length[e] = kept, used += kept;
+/* Moves the fronts of live elements together. In the pool, each is led by its element and its length when new. */
+static void yci_order_squeeze(yci_order_graph *g) {
+    int from = g->pool_begin, to = from, i;
+    while (from < g->pool_used) {
+        int e = g->list[from], size = g->list[from + 1], begin = from + 2, kept = 0;
+        from = begin + size;
+        if (g->node[e].begin != begin || !g->node[e].degree) continue;
+        for (i = begin; i < from; i++)
+            if (g->node[g->list[i]].weight) g->list[to + 2 + kept++] = g->list[i];
+        g->list[to] = e, g->list[to + 1] = kept, g->node[e].begin = to + 2, g->node[e].length = kept;
+        to += 2 + kept;
     }
-    g->pool_used = used;
+    g->pool_used = to;
 }
 
-/* Turns variable p into an element: its front is the union of its variables and of its elements' fronts, which die. */
-static int yci_order_eliminate(yci_order_graph *g, int p) {
-    int start = g->pool_used, count = 0, total = 0, k, i, stamp = ++g->stamp;
-    const int *list = g->list + g->begin[p];
-    g->mark[p] = stamp;
-    for (k = 0; k <= g->elements[p]; k++) {
-        int last = k == g->elements[p], e = last ? p : list[k];
-        const int *from = last ? list + g->elements[p] : g->pool + g->front[e];
-        int size = last ? g->variables[p] : g->length[e];
-        for (i = 0; i < size; i++) {
-            int v = from[i];
-            if (!g->weight[v] || g->mark[v] == stamp) continue;
-            g->mark[v] = stamp;
-            g->pool[start + count++] = v, total += g->weight[v];
-            yci_order_unlink(g, v);
+/* Appends to a front the live variables of a list that it does not hold yet; returns their number. The two may be the
+ * same array. */
+static int yci_order_gather(yci_order_node *node, const int *from, int count, int *front, int *total) {
+    int i, kept = 0, sum = 0;
+    for (i = 0; i < count; i++) {
+        int v = from[i], weight = node[v].weight, fresh = weight > 0;
+        node[v].weight = fresh ? -weight : weight, sum += fresh ? weight : 0;
+        front[kept] = v, kept += fresh;
+    }
+    *total += sum;
+    return kept;
+}
+
+/* Turns variable p into an element: its front is the union of its variables and of its elements' fronts, which die.
+ * From their weights p itself is taken off, so that 0 remains outside the new front. */
+static void yci_order_eliminate(yci_order_graph *g, int p) {
+    yci_order_node *pivot = g->node + p;
+    int *list = g->list + pivot->begin, count = 0, total = 0, k, weight = pivot->weight;
+    pivot->weight = 0;
+    if (!pivot->elements) count = yci_order_gather(g->node, list, pivot->length, list, &total);
+    else {
+        int need = pivot->length + 2;
+        for (k = 0; k < pivot->elements; k++) need += g->node[list[k]].length;
+        if (need > g->n + 2) need = g->n + 2;
+        if (g->pool_used + need > g->pool_size) yci_order_squeeze(g);
+        pivot->begin = g->pool_used + 2;
+        for (k = 0; k < pivot->elements; k++) {
+            yci_order_node *e = g->node + list[k];
+            count += yci_order_gather(g->node, g->list + e->begin, e->length, g->list + pivot->begin + count, &total);
+            e->degree -= weight, e->elements = p;
         }
-        if (!last) g->length[e] = 0;
+        count += yci_order_gather(g->node, list + k, pivot->length - k, g->list + pivot->begin + count, &total);
+        g->list[pivot->begin - 2] = p;
     }
-    g->front[p] = start, g->length[p] = count, g->degree_of[p] = total;
-    return total;
+    pivot->length = count, pivot->degree = total;
 }
 
-/* For every element e beside the new front: outside[e] - stamp_outside becomes the weight of e's part outside it. */
-static void yci_order_measure(yci_order_graph *g, int p) {
-    int k, i;
-    for (k = 0; k < g->length[p]; k++) {
-        int v = g->pool[g->front[p] + k];
-        const int *list = g->list + g->begin[v];
-        for (i = 0; i < g->elements[v]; i++) {
-            int e = list[i];
-            if (!g->length[e]) continue;
-            if (g->outside[e] < g->stamp_outside) g->outside[e] = g->stamp_outside + g->degree_of[e];
-            g->outside[e] -= g->weight[v];
-        }
-    }
-}
-
-/* Rewrites v's list: dead elements, elements inside the new front (they are absorbed) and variables that the front
- * covers go, p comes. Returns the bound on v's degree outside the front, and a hash of the list. */
-static int yci_order_rewrite(yci_order_graph *g, int v, int p, unsigned *hash) {
-    int *list = g->list + g->begin[v], elements = 0, variables = 0, degree = 0, i;
+/* Rewrites v's list: elements inside the new front, which the pivot absorbs, and variables that the front covers go, p
+ * comes. Returns the bound on v's degree outside the front, and leaves a hash of the list. */
+static int yci_order_rewrite(const yci_order_graph *g, yci_order_node *v, int p) {
+    yci_order_node *node = g->node;
+    int *list = g->list + v->begin, base = g->base, all = v->elements, kept = 0, elements, degree = 0, i;
     unsigned sum = (unsigned)p;
-    for (i = 0; i < g->elements[v]; i++) {
-        int e = list[i], outside = g->outside[e] - g->stamp_outside;
-        if (!g->length[e]) continue;
-        if (outside == 0) g->length[e] = 0;
-        else list[elements++] = e, degree += outside, sum += (unsigned)e;
+    for (i = 0; i < all; i++) {
+        int e = list[i], outside = node[e].outside - base, keep = outside > 0;
+        list[kept] = e, kept += keep, degree += outside, sum += (unsigned)(e & -keep);
+        node[e].degree &= -keep, node[e].elements = keep ? node[e].elements : p;
     }
-    for (; i < g->elements[v] + g->variables[v]; i++) {
-        int u = list[i];
-        if (!g->weight[u] || g->mark[u] == g->stamp) continue;
-        list[elements + variables++] = u, degree += g->weight[u], sum += (unsigned)u;
+    elements = kept;
+    for (all = v->length; i < all; i++) {
+        int u = list[i], weight = node[u].weight, keep = weight > 0;
+        list[kept] = u, kept += keep, degree += weight & -keep, sum += (unsigned)(u & -keep);
     }
-    list[elements + variables] = list[elements], list[elements] = p; /* the first variable makes room */
-    g->elements[v] = elements + 1, g->variables[v] = variables;
-    *hash = sum;
+    list[kept] = list[elements], list[elements] = p; /* the first variable makes room */
+    v->elements = elements + 1, v->length = kept + 1, v->outside = (int)(sum & INT_MAX);
     return degree;
 }
 
-/* Merges the variables of the front whose lists are equal. Lists are compared by stamping one and looking up the other;
- * a hash table over the front brings candidates together. */
-static void yci_order_find_alike(yci_order_graph *g, int p) {
-    int k, i, j;
-    const int *front = g->pool + g->front[p];
-    for (k = 0; k < g->length[p]; k++) {
-        int first, *before;
-        if (!g->weight[front[k]]) continue;
-        first = g->bucket[g->outside[front[k]]]; /* rewrite left the table index there */
-        if (first < 0) continue;
-        g->bucket[g->outside[front[k]]] = -1;
-        for (i = first; g->chain[i] >= 0; i = g->chain[i]) {
-            int size = g->elements[i] + g->variables[i], stamp = ++g->stamp, s;
-            for (s = 0; s < size; s++) g->mark[g->list[g->begin[i] + s]] = stamp;
-            before = &g->chain[i];
-            for (j = *before; j >= 0; j = *before) {
-                int same = g->elements[j] == g->elements[i] && g->variables[j] == g->variables[i];
-                for (s = 0; same && s < size; s++) same = g->mark[g->list[g->begin[j] + s]] == stamp;
-                if (same) yci_order_merge(g, j, i), *before = g->chain[j];
-                else before = &g->chain[j];
+/* Whether two variables have the same list, if every entry of i's bears the stamp. */
+static int yci_order_alike(const yci_order_graph *g, int i, int j) {
+    const yci_order_node *a = g->node + i, *b = g->node + j;
+    const int *list = g->list + b->begin;
+    int k = 0;
+    if (a->length != b->length || a->elements != b->elements || (g->stage && g->stage[i] != g->stage[j])) return 0;
+    while (k < b->length && g->node[list[k]].mark == g->stamp) k++;
+    return k == b->length;
+}
+
+/* Merges the variables of the front whose lists are equal; the hash table has brought candidates together. */
+static void yci_order_find_alike(yci_order_graph *g, const int *front, int count) {
+    int k, i, j, s;
+    for (k = 0; k < count; k++) {
+        int *first = g->table + (g->node[front[k]].outside & g->table_mask);
+        for (i = *first, *first = -1; i >= 0; i = g->link[i].chain) {
+            const yci_order_node *v = g->node + i;
+            int *before = &g->link[i].chain, stamped = 0;
+            while ((j = *before) >= 0) {
+                if (g->node[j].outside == v->outside && !stamped++)
+                    for (s = 0, g->stamp++; s < v->length; s++) g->node[g->list[v->begin + s]].mark = g->stamp;
+                if (g->node[j].outside == v->outside && yci_order_alike(g, i, j))
+                    yci_order_merge(g, j, i), *before = g->link[j].chain;
+                else before = &g->link[j].chain;
             }
-            if (g->chain[i] < 0) break;
         }
     }
 }
 
-/* Eliminates p, together with what has no neighbour outside its front, and updates the front's variables. `left` is the
- * number of original variables not yet numbered. */
-static void yci_order_step(yci_order_graph *g, int p, int left, int *lowest) {
-    int k, count, total, start;
-    if (g->stamp > INT_MAX - g->n - 1 || g->stamp_outside > INT_MAX - 2 * g->widest - 2) {
-        for (k = 0; k < g->n; k++) g->mark[k] = g->outside[k] = 0;
-        g->stamp = 0, g->stamp_outside = 1;
+/* What is left of the front after a step: positive weights, and new degrees. */
+static void yci_order_finish(yci_order_graph *g, int p) {
+    yci_order_node *pivot = g->node + p;
+    int *front = g->list + pivot->begin, count = 0, k;
+    g->base += g->widest + 1, pivot->outside = 0, pivot->elements = -1;
+    for (k = 0; k < pivot->length; k++) {
+        yci_order_node *v = g->node + front[k];
+        int most;
+        if (!v->weight) continue;
+        v->weight = -v->weight, v->degree += pivot->degree - v->weight, most = g->alive - v->weight;
+        if (v->degree > most) v->degree = most;
+        if (v->degree < v->key) yci_order_unfile(g, front[k]), yci_order_file(g, front[k]);
+        front[count++] = front[k];
     }
-    yci_order_unlink(g, p);
-    total = yci_order_eliminate(g, p), start = g->front[p];
-    if (total > g->widest) g->widest = total;
-    yci_order_measure(g, p);
-    for (k = 0; k < g->length[p]; k++) {
-        int v = g->pool[start + k], degree;
-        unsigned hash;
-        degree = yci_order_rewrite(g, v, p, &hash);
-        if (degree == 0) { /* nothing outside the front: v can go with p */
-            total -= g->weight[v];
-            yci_order_merge(g, v, p);
+    pivot->length = count;
+    if (pivot->begin >= g->pool_begin) front[-1] = count, g->pool_used = pivot->begin + count;
+}
+
+/* Eliminates p, together with what has no neighbour outside its front, and updates the front's variables. Returns the
+ * weight left in the front. */
+static int yci_order_step(yci_order_graph *g, int p) {
+    yci_order_node *pivot = g->node + p;
+    int weight = pivot->weight, direct = !pivot->elements, before = g->alive, base, k, i;
+    double below, height;
+    const int *front;
+    if (g->base > INT_MAX / 2) /* weights are far below that: see yci_order_minimum_degree */
+        for (k = 0, g->base = 1; k < g->n; k++) g->node[k].outside = 0;
+    base = g->base;
+    yci_order_eliminate(g, p);
+    front = g->list + pivot->begin;
+    g->alive -= weight;
+    if (pivot->degree > g->widest) g->widest = pivot->degree;
+    if (direct && pivot->length == 1) { /* a leaf goes without leaving an element: stars stay linear */
+        yci_order_node *v = g->node + front[0];
+        v->weight = -v->weight, v->degree -= weight, pivot->degree = 0, pivot->elements = front[0];
+        if (v->degree < v->key) yci_order_unfile(g, front[0]), yci_order_file(g, front[0]);
+        g->flops += (double)weight * v->weight * (v->weight + weight);
+        return v->weight;
+    }
+    for (k = 0; k < pivot->length; k++) {
+        const yci_order_node *v = g->node + front[k];
+        const int *list = g->list + v->begin;
+        for (i = 0; i < v->elements; i++) {
+            yci_order_node *e = g->node + list[i];
+            int whole = e->degree + base;
+            e->outside = (e->outside < base ? whole : e->outside) + v->weight;
+        }
+    }
+    for (k = 0; k < pivot->length; k++) {
+        yci_order_node *v = g->node + front[k];
+        int degree = yci_order_rewrite(g, v, p), *first = g->table + (v->outside & g->table_mask);
+        if (degree == 0 && (!g->stage || g->stage[front[k]] == g->stage[p])) {
+            g->alive += v->weight, pivot->degree += v->weight;
+            yci_order_merge(g, front[k], p);
             continue;
         }
-        if (degree < g->degree[v]) g->degree[v] = degree;
-        g->outside[v] = (int)(hash % (unsigned)g->n); /* v is no element yet, so the slot is free */
-        g->chain[v] = g->bucket[g->outside[v]], g->bucket[g->outside[v]] = v;
+        if (degree < v->degree) v->degree = degree;
+        g->link[front[k]].chain = *first, *first = front[k];
     }
-    yci_order_find_alike(g, p);
-    left -= g->weight[p];
-    for (k = 0, count = 0; k < g->length[p]; k++) {
-        int v = g->pool[start + k], most;
-        if (!g->weight[v]) continue;
-        g->pool[start + count++] = v;
-        g->outside[v] = 0;
-        g->degree[v] += total - g->weight[v], most = left - g->weight[v];
-        if (g->degree[v] > most) g->degree[v] = most;
-        if (g->degree[v] < *lowest) *lowest = g->degree[v];
-        yci_order_link(g, v);
-    }
-    g->length[p] = count, g->degree_of[p] = total, g->pool_used = start + count;
-    g->stamp_outside += g->widest + 1;
-    g->weight[p] = 0;
+    pivot->weight = 0;
+    yci_order_find_alike(g, front, pivot->length);
+    yci_order_finish(g, p);
+    below = pivot->degree, height = below + before - g->alive;
+    g->flops += (height * height * height - below * below * below) / 3.0;
+    return pivot->degree;
 }
 
-/* Nodes with very many neighbours would be touched by every step: they leave the graph and come last. Nodes without
- * unknowns come after them. Returns how many of `order` were filled in at its end. */
-static int yci_order_defer(int n, const int *dim, const int *ptr, int *weight, int *order) {
-    int limit = (int)(10.0 * sqrt((double)n)) + 16, i, pass, at = n;
-    for (pass = 0; pass < 2; pass++)
-        for (i = n - 1; i >= 0; i--) {
-            int empty = dim[i] == 0, wide = ptr[i + 1] - ptr[i] > limit;
-            weight[i] = !empty && !wide;
-            if (pass ? !empty && wide : empty) order[--at] = i;
+/* Nodes in the order of their stages, in `order`. */
+static void yci_order_sort(int n, const int *stage, int *order, int *begin) {
+    int i, at = 0;
+    for (i = 0; i < n; i++) begin[i] = 0;
+    for (i = 0; i < n; i++) begin[stage[i]]++;
+    for (i = 0; i < n; i++) at += begin[i], begin[i] = at - begin[i];
+    for (i = 0; i < n; i++) order[begin[stage[i]]++] = i;
+}
+
+/* A node with more neighbours is left out: every step would touch it. */
+static int yci_order_limit(int n) { return (int)(10.0 * sqrt((double)n)) + 16; }
+
+/* The graph at the start. Nodes with very many neighbours would be touched by every step: they are left out (weight 0)
+ * and come last in their stage, after them nodes without unknowns. Weights are unknowns over their common divisor.
+ * Returns whether all are 1 and only nodes without unknowns left out. */
+static int yci_order_fill(yci_order_graph *g, const int *dim, const int *ptr, const int *col) {
+    int limit = yci_order_limit(g->n), divisor = 0, plain = 1, i, k;
+    for (i = 0; i < g->n; i++) {
+        int a = dim[i], b = divisor;
+        while (b) k = a % b, a = b, b = k;
+        divisor = a;
+    }
+    g->unit = divisor;
+    for (i = 0; i < g->n; i++) {
+        g->node[i].weight = ptr[i + 1] - ptr[i] > limit || !dim[i] ? 0 : dim[i] / divisor;
+        g->alive += g->node[i].weight, plain &= g->node[i].weight == 1 || !dim[i];
+    }
+    for (i = 0; i < g->n; i++) {
+        yci_order_node *v = g->node + i;
+        int *list = g->list + ptr[i], kept = 0, degree = -v->weight;
+        for (k = ptr[i]; k < ptr[i + 1]; k++) {
+            int j = col[k], weight = g->node[j].weight;
+            if (weight && j != i) list[kept++] = j;
+            degree += weight;
         }
-    return n - at;
+        v->begin = ptr[i], v->elements = 0, v->length = kept, v->degree = degree, v->mark = 0,
+        v->key = v->weight ? -1 : -2;
+        g->link[i].ring = i;
+    }
+    for (i = 0; i <= g->n; i++) g->head[i] = -1;
+    for (i = 0; i <= g->table_mask; i++) g->table[i] = -1;
+    return plain;
 }
 
-/* Fills `order` with all n nodes; those without unknowns come last. The live fronts and lists never hold more entries
- * than the pattern, so a pool of three times that is squeezed only after as many new entries. */
-static yc_result yci_order_minimum_degree(
-    yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order) {
-    yci_order_graph g;
-    size_t entries = (size_t)ptr[n];
-    int *block = NULL, *sequence, *at, i, k, left, lowest = 0, pivots = 0;
-    if (entries <= (size_t)INT_MAX / 4) block = YCI_NEW(c, int, 18 * (size_t)n + 4 * entries);
-    if (!block) return yci_out_of_memory(c, "an elimination order");
-    memset(&g, 0, sizeof g);
-    g.n = n, g.stamp_outside = 1;
-    g.begin = at = block, g.elements = at += n, g.variables = at += n, g.front = at += n, g.length = at += n;
-    g.degree_of = at += n, g.weight = at += n, g.degree = at += n, g.head = at += n, g.next = at += n;
-    g.previous = at += n, g.follower = at += n, g.tail = at += n, g.mark = at += n, g.outside = at += n;
-    g.bucket = at += n, g.chain = at += n, sequence = at += n, g.list = at += n, g.pool = at + entries;
-    left = n - yci_order_defer(n, dim, ptr, g.weight, order);
-    for (i = 0; i < n; i++) g.head[i] = g.bucket[i] = g.follower[i] = -1, g.tail[i] = i;
-    for (i = 0; i < n; i++) {
-        g.begin[i] = ptr[i];
-        if (!g.weight[i]) continue;
-        for (k = ptr[i]; k < ptr[i + 1]; k++)
-            if (col[k] != i && g.weight[col[k]]) g.list[ptr[i] + g.variables[i]++] = col[k];
-        g.degree[i] = g.variables[i];
-        yci_order_link(&g, i);
+/* Orders one stage, the nodes order[begin, end), in place. */
+static void yci_order_stage(
+    yci_order_graph *g, const int *dim, int *order, int begin, int end, yci_order_fronts *fronts) {
+    int k, i, pass, p;
+    for (pass = 0; pass < 2; pass++) /* those left out to the end */
+        for (k = end - 1, i = end; k >= begin; k--) {
+            int v = order[k], last = pass ? g->node[v].key == -2 : !dim[v];
+            if (last) order[k] = order[--i], order[i] = v;
+        }
+    end = i;
+    for (k = begin; k < end; k++) /* without those that became alike before */
+        if (g->node[order[k]].weight) yci_order_file(g, order[k]);
+    for (k = begin; k < end;) {
+        int s = fronts->count++;
+        p = yci_order_next(g);
+        fronts->below[s] = yci_order_step(g, p), fronts->parent[s] = p, fronts->size[s] = k, i = p;
+        do order[k++] = i, g->link[i].chain = s, i = g->link[i].ring;
+        while (i != p);
+        fronts->size[s] = k - fronts->size[s];
     }
-    for (k = 0; k < left;) {
-        int p;
-        while (g.head[lowest] < 0) lowest++;
-        p = g.head[lowest];
-        if ((size_t)g.pool_used > 2 * entries) yci_order_squeeze(&g, sequence, pivots);
-        sequence[pivots++] = p;
-        yci_order_step(&g, p, left - k, &lowest);
-        for (i = p; i >= 0; i = g.follower[i]) order[k++] = i;
+}
+
+/* Fills `order` with all n nodes, and the arrays of `fronts` (n each). With `stage` (numbers from 0 to n - 1), every
+ * node of a stage comes before those of higher ones. */
+static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim, const int *ptr, const int *col,
+    const int *stage, int *order, yci_order_fronts *fronts) {
+    yci_order_graph g;
+    size_t size = (size_t)n, entries = (size_t)ptr[n];
+    char *block = NULL;
+    int begin, end, s;
+    memset(&g, 0, sizeof g);
+    while (g.table_mask < n / 4) g.table_mask = 2 * g.table_mask + 1;
+    g.pool_begin = ptr[n], g.pool_size = 5 * (ptr[n] / 2) + 3 * n + 8;
+    if (entries <= (size_t)INT_MAX / 4 && size <= (size_t)INT_MAX / (4 * YCI_BLOCK_MAX))
+        block = (char *)yci_alloc(c, 1,
+            size * (sizeof *g.node + sizeof *g.link) +
+                ((size_t)g.pool_size + size + 2 + (size_t)g.table_mask) * sizeof(int));
+    if (!block) return yci_out_of_memory(c, "an elimination order");
+    g.base = 1, g.n = g.lowest = n, g.stage = stage, g.pool_used = g.pool_begin;
+    g.node = (yci_order_node *)block, g.link = (yci_order_link *)(g.node + n), g.list = (int *)(g.link + n);
+    g.head = g.list + g.pool_size, g.table = g.head + n + 1;
+    if (stage) yci_order_sort(n, stage, order, g.head);
+    else
+        for (begin = 0; begin < n; begin++) order[begin] = begin;
+    fronts->known = yci_order_fill(&g, dim, ptr, col), fronts->count = 0;
+    for (begin = 0; begin < n; begin = end) {
+        for (end = begin + 1; end < n && (!stage || stage[order[end]] == stage[order[begin]]);) end++;
+        yci_order_stage(&g, dim, order, begin, end, fronts);
+    }
+    fronts->flops = g.flops * g.unit * g.unit * g.unit;
+    for (s = 0; s < fronts->count; s++) {
+        int taken = g.node[fronts->parent[s]].elements;
+        fronts->parent[s] = taken < 0 ? -1 : g.link[taken].chain;
     }
     yci_free(c, block);
     return YC_OK;
+}
+
+/* -------------------------------------------------------------------------------------------- nested dissection --- */
+
+/* Multilevel vertex separators (Karypis and Kumar, A fast and high quality multilevel scheme for partitioning irregular
+ * graphs, SIAM J. Sci. Comput. 20, 1998; the improvement is of the kind of Fiduccia and Mattheyses, 1982). Stars of a few
+ * vertices become vertices of a coarser graph, the coarsest is cut by breadth-first growth, and on the way back the
+ * separator is improved on every level: vertices leave it to one side, what they touch on the other comes in, and the
+ * best moment is kept. Sides are cut again until they are small. Minimum degree then orders the whole graph with pieces
+ * and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
+#define YCI_DISSECT_LEAF 500    /* vertices of a graph that is not cut */
+#define YCI_DISSECT_COARSEST 60 /* of one that is not coarsened */
+#define YCI_DISSECT_STAR 3      /* of a star; twice as many in the finest graph */
+#define YCI_DISSECT_TRIES 4     /* cuts of the coarsest graph */
+#define YCI_DISSECT_BALANCE 0.6 /* the most of the weight that one side may have */
+#define YCI_DISSECT_PATIENCE 10 /* moves without gain in a sweep, beyond the size of the separator */
+
+typedef struct yci_dissect_graph {
+    int n, total;          /* vertices, their weight */
+    int *ptr, *col, *tied; /* neighbours without the vertex itself; how many edges each stands for (NULL: one) */
+    int *weight, *side;    /* side: 0, 1, or 2 in the separator */
+    int *map, *id;         /* the vertex of the coarser graph; the caller's node (only where edges stand for one) */
+} yci_dissect_graph;
+
+typedef struct yci_dissect {
+    int *arena, used, size;               /* graphs, as a stack */
+    int *heap, *place, *gain, heap_count; /* vertices of the separator, greatest gain first; place -1: not there */
+    int *rim, rim_count;                  /* all that have been in the separator during a sweep */
+    int *moved, *rim_before, *table, *best;
+    int weight[3]; /* of both sides and of the separator */
+    int *stage, stages;
+} yci_dissect;
+
+static int *yci_dissect_take(yci_dissect *d, int count) {
+    int *block = d->arena + d->used;
+    d->used += count;
+    return block;
+}
+
+/* Room for a graph; 0 if there is none, or not for the graphs to come. */
+static int yci_dissect_open(yci_dissect *d, yci_dissect_graph *g, int n, int entries, int tied) {
+    if (entries > (d->size - d->used - 5 * n - 1) / (1 + tied)) return 0;
+    g->n = n, g->total = 0;
+    g->ptr = yci_dissect_take(d, n + 1), g->weight = yci_dissect_take(d, n), g->side = yci_dissect_take(d, n);
+    g->map = yci_dissect_take(d, n), g->tied = tied ? yci_dissect_take(d, entries) : NULL;
+    g->id = tied ? NULL : yci_dissect_take(d, n);
+    g->col = yci_dissect_take(d, entries), g->ptr[0] = 0;
+    return 1;
+}
+
+/* Gathers stars: every free vertex with its free neighbours across the heaviest edges, the lightest of them first.
+ * Leaves their members in `table` and numbers the stars. */
+static int yci_dissect_gather(yci_dissect *d, yci_dissect_graph *g) {
+    int star = g->tied ? YCI_DISSECT_STAR : 2 * YCI_DISSECT_STAR, i, k, more, used = 0, count = 0, *begin = d->moved;
+    int most = 3 * (g->total / YCI_DISSECT_COARSEST) + 1;
+    for (i = 0; i < g->n; i++) g->map[i] = -1;
+    for (i = 0; i < g->n; i++) {
+        int weight = g->weight[i];
+        if (g->map[i] >= 0) continue;
+        g->map[i] = count, begin[count] = used, d->table[used++] = i;
+        for (more = 1; more < star; more++) {
+            int best = -1, heaviest = 0;
+            for (k = g->ptr[i]; k < g->ptr[i + 1]; k++) {
+                int j = g->col[k], rank = g->tied ? g->tied[k] : 1;
+                if (g->map[j] >= 0 || rank < heaviest || weight + g->weight[j] > most) continue;
+                if (rank == heaviest && g->weight[j] >= g->weight[best]) continue;
+                best = j, heaviest = rank;
+            }
+            if (best < 0) break;
+            g->map[best] = count, d->table[used++] = best, weight += g->weight[best];
+        }
+        count++;
+    }
+    begin[count] = used;
+    return count;
+}
+
+/* The graph of the stars. An edge met again is found by its slot; the first slot of a vertex stands for the edges inside
+ * and is filled by the last one in the end. Returns 0 if it is not worth it. */
+static int yci_dissect_coarsen(yci_dissect *d, yci_dissect_graph *g, yci_dissect_graph *coarse) {
+    int count = yci_dissect_gather(d, g), i, k, m, used = 0, *slot = d->best;
+    if (count > g->n - g->n / 8 || !yci_dissect_open(d, coarse, count, g->ptr[g->n] + count, 1)) return 0;
+    coarse->total = g->total;
+    for (i = 0; i < count; i++) slot[i] = -1;
+    for (i = 0; i < count; i++) {
+        int begin = used;
+        slot[i] = used++, coarse->col[begin] = i, coarse->tied[begin] = 0, coarse->weight[i] = 0;
+        for (m = d->moved[i]; m < d->moved[i + 1]; m++) {
+            int v = d->table[m];
+            coarse->weight[i] += g->weight[v];
+            for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) {
+                int j = g->map[g->col[k]], at = slot[j], fresh = at < begin;
+                at = fresh ? used : at, used += fresh;
+                slot[j] = at, coarse->col[at] = j;
+                coarse->tied[at] = (coarse->tied[at] & (fresh - 1)) + (g->tied ? g->tied[k] : 1);
+            }
+        }
+        used--, coarse->col[begin] = coarse->col[used], coarse->tied[begin] = coarse->tied[used];
+        slot[coarse->col[begin]] = -1;
+        coarse->ptr[i + 1] = used;
+    }
+    d->used -= g->ptr[g->n] + count - used; /* `col` was taken last */
+    return 1;
+}
+
+static void yci_dissect_raise(yci_dissect *d, int v, int at) {
+    while (at > 0 && d->gain[d->heap[(at - 1) / 2]] < d->gain[v]) {
+        d->heap[at] = d->heap[(at - 1) / 2], d->place[d->heap[at]] = at, at = (at - 1) / 2;
+    }
+    d->heap[at] = v, d->place[v] = at;
+}
+
+static int yci_dissect_pop(yci_dissect *d) {
+    int first = d->heap[0], v = d->heap[--d->heap_count], at = 0, child;
+    for (child = 1; child < d->heap_count; at = child, child = 2 * at + 1) {
+        if (child + 1 < d->heap_count && d->gain[d->heap[child + 1]] > d->gain[d->heap[child]]) child++;
+        if (d->gain[d->heap[child]] <= d->gain[v]) break;
+        d->heap[at] = d->heap[child], d->place[d->heap[at]] = at;
+    }
+    d->heap[at] = v, d->place[v] = at, d->place[first] = -1;
+    return first;
+}
+
+/* Vertex v of the separator waits to be moved away from side `other`: what it gains is its own weight, less that of its
+ * neighbours there, which would follow it into the separator. */
+static void yci_dissect_push(yci_dissect *d, const yci_dissect_graph *g, int v, int other) {
+    int k, gain = g->weight[v];
+    for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) gain -= g->side[g->col[k]] == other ? g->weight[g->col[k]] : 0;
+    d->gain[v] = gain;
+    yci_dissect_raise(d, v, d->heap_count++);
+}
+
+/* Vertex u comes from side `other` into the separator; its neighbours there gain by that. */
+static void yci_dissect_pull(yci_dissect *d, yci_dissect_graph *g, int u, int other) {
+    int k, w = g->weight[u];
+    g->side[u] = 2, d->rim[d->rim_count++] = u;
+    d->weight[other] -= w, d->weight[2] += w;
+    for (k = g->ptr[u]; k < g->ptr[u + 1]; k++) {
+        int x = g->col[k];
+        if (g->side[x] == 2 && d->place[x] >= 0) d->gain[x] += w, yci_dissect_raise(d, x, d->place[x]);
+    }
+    yci_dissect_push(d, g, u, other);
+}
+
+/* Moves vertices of the separator to side `to`, best first, and goes back to the best moment. Returns whether the
+ * separator has become lighter. */
+static int yci_dissect_sweep(yci_dissect *d, yci_dissect_graph *g, int to) {
+    int other = 1 - to, most = (int)(YCI_DISSECT_BALANCE * g->total) + 1, moves = 0, best = 0, k, kept = 0;
+    int patience = YCI_DISSECT_PATIENCE + d->rim_count, least = d->weight[2], before = least,
+        apart = abs(d->weight[0] - d->weight[1]);
+    for (k = 0, d->heap_count = 0; k < d->rim_count; k++) yci_dissect_push(d, g, d->rim[k], other);
+    while (d->heap_count && moves - best < patience) {
+        int v = yci_dissect_pop(d), w = g->weight[v], now;
+        if (d->weight[to] + w > most) continue;
+        d->moved[moves] = v, d->rim_before[moves++] = d->rim_count;
+        g->side[v] = to, d->weight[to] += w, d->weight[2] -= w;
+        for (k = g->ptr[v]; k < g->ptr[v + 1]; k++)
+            if (g->side[g->col[k]] == other) yci_dissect_pull(d, g, g->col[k], other);
+        now = abs(d->weight[0] - d->weight[1]);
+        if (d->weight[2] < least || (d->weight[2] == least && now < apart))
+            least = d->weight[2], apart = now, best = moves;
+    }
+    while (d->heap_count) d->place[d->heap[--d->heap_count]] = -1;
+    while (moves > best) {
+        int v = d->moved[--moves];
+        g->side[v] = 2, d->weight[to] -= g->weight[v], d->weight[2] += g->weight[v];
+        while (d->rim_count > d->rim_before[moves]) {
+            int u = d->rim[--d->rim_count];
+            g->side[u] = other, d->weight[other] += g->weight[u], d->weight[2] -= g->weight[u];
+        }
+    }
+    for (k = 0; k < d->rim_count; k++)
+        if (g->side[d->rim[k]] == 2) d->rim[kept++] = d->rim[k];
+    d->rim_count = kept;
+    return least < before;
+}
+
+/* Sweeps to the lighter side first and then in turns, until neither way gains. */
+static void yci_dissect_refine(yci_dissect *d, yci_dissect_graph *g) {
+    int i, to, idle = 0;
+    d->rim_count = 0, d->weight[0] = d->weight[1] = d->weight[2] = 0;
+    for (i = 0; i < g->n; i++) {
+        d->weight[g->side[i]] += g->weight[i];
+        if (g->side[i] == 2) d->rim[d->rim_count++] = i;
+    }
+    for (to = d->weight[0] > d->weight[1]; idle < 2; to = 1 - to) idle = yci_dissect_sweep(d, g, to) ? 0 : idle + 1;
+}
+
+/* Grows side 0 from a vertex, breadth first, to half of the weight; those waiting then are the separator. */
+static void yci_dissect_grow(yci_dissect *d, yci_dissect_graph *g, int seed) {
+    int *queue = d->rim, head = 0, tail = 0, grown = 0, i, k;
+    for (i = 0; i < g->n; i++) g->side[i] = 1;
+    for (i = seed; grown < g->total / 2; i = (i + 1) % g->n) { /* on from the next piece when one is used up */
+        if (g->side[i] == 1) g->side[i] = 2, queue[tail++] = i;
+        while (head < tail && grown < g->total / 2) {
+            int v = queue[head++];
+            g->side[v] = 0, grown += g->weight[v];
+            for (k = g->ptr[v]; k < g->ptr[v + 1]; k++)
+                if (g->side[g->col[k]] == 1) g->side[g->col[k]] = 2, queue[tail++] = g->col[k];
+        }
+    }
+}
+
+/* Leaves the separator in g->side and the weights of the parts in d->weight. */
+static void yci_dissect_cut(yci_dissect *d, yci_dissect_graph *g) {
+    yci_dissect_graph coarse;
+    int used = d->used, i, trial, best = INT_MAX;
+    if (g->n > YCI_DISSECT_COARSEST && yci_dissect_coarsen(d, g, &coarse)) {
+        yci_dissect_cut(d, &coarse);
+        for (i = 0; i < g->n; i++) g->side[i] = coarse.side[g->map[i]];
+        d->used = used;
+    } else {
+        for (trial = 0; trial < YCI_DISSECT_TRIES; trial++) {
+            yci_dissect_grow(d, g, (int)((double)g->n * trial / YCI_DISSECT_TRIES));
+            yci_dissect_refine(d, g);
+            if (d->weight[2] < best) {
+                best = d->weight[2];
+                for (i = 0; i < g->n; i++) d->best[i] = g->side[i];
+            }
+        }
+        for (i = 0; i < g->n; i++) g->side[i] = d->best[i];
+    }
+    yci_dissect_refine(d, g);
+}
+
+/* The part of g on one side. */
+static int yci_dissect_extract(yci_dissect *d, const yci_dissect_graph *g, int side, yci_dissect_graph *part) {
+    int *index = d->best, count = 0, entries = 0, i, k, used = 0;
+    for (i = 0; i < g->n; i++)
+        if (g->side[i] == side) index[i] = count++, entries += g->ptr[i + 1] - g->ptr[i];
+    if (!yci_dissect_open(d, part, count, entries, 0)) return 0;
+    for (i = 0, count = 0; i < g->n; i++) {
+        if (g->side[i] != side) continue;
+        part->id[count] = g->id[i], part->total += part->weight[count] = g->weight[i];
+        for (k = g->ptr[i]; k < g->ptr[i + 1]; k++)
+            if (g->side[g->col[k]] == side) part->col[used++] = index[g->col[k]];
+        part->ptr[++count] = used;
+    }
+    d->used -= entries - used;
+    return 1;
+}
+
+/* Gives the vertices of g their stages: both sides and then the separator, or all the same one. */
+static void yci_dissect_split(yci_dissect *d, yci_dissect_graph *g) {
+    yci_dissect_graph part;
+    int used = d->used, side, i, cut = g->n > YCI_DISSECT_LEAF;
+    if (cut) {
+        yci_dissect_cut(d, g);
+        cut = d->weight[0] && d->weight[1] && d->weight[2] < g->total / 3;
+    }
+    for (side = 0; side < 2 && cut; side++) {
+        if (yci_dissect_extract(d, g, side, &part)) yci_dissect_split(d, &part);
+        else cut = 0;
+        d->used = used;
+    }
+    for (i = 0; i < g->n; i++)
+        if (!cut || g->side[i] == 2) d->stage[g->id[i]] = d->stages;
+    d->stages++;
+}
+
+/* The whole graph, without nodes that have no unknowns or very many neighbours; those make the last stage. Vertices are
+ * numbered breadth first, so that neighbours are near each other in memory. */
+static void yci_dissect_nodes(yci_dissect *d, int n, const int *dim, const int *ptr, const int *col) {
+    yci_dissect_graph g;
+    int i, k, seed, count = 0, used = 0, *index = d->best, *queue = d->rim, limit = yci_order_limit(n);
+    for (i = 0; i < n; i++) index[i] = dim[i] && ptr[i + 1] - ptr[i] <= limit ? -1 : -2;
+    for (i = 0, seed = 0; seed < n; seed++) {
+        if (index[seed] == -1) index[seed] = count, queue[count++] = seed;
+        for (; i < count; i++)
+            for (k = ptr[queue[i]]; k < ptr[queue[i] + 1]; k++)
+                if (index[col[k]] == -1) index[col[k]] = count, queue[count++] = col[k];
+    }
+    yci_dissect_open(d, &g, count, ptr[n] - n, 0);
+    for (i = 0; i < count; i++) {
+        int v = g.id[i] = queue[i];
+        g.total += g.weight[i] = dim[v];
+        for (k = ptr[v]; k < ptr[v + 1]; k++)
+            if (col[k] != v && index[col[k]] >= 0) g.col[used++] = index[col[k]];
+        g.ptr[i + 1] = used;
+    }
+    for (i = 0; i < n; i++) d->stage[i] = -1;
+    if (count) yci_dissect_split(d, &g);
+    for (i = 0; i < n; i++)
+        if (d->stage[i] < 0) d->stage[i] = d->stages;
+}
+
+/* As yci_order_minimum_degree, by nested dissection. Minimum degree works on a copy sorted by stages, most of whose steps
+ * stay within the cache. */
+static yc_result yci_order_dissect(
+    yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order, yci_order_fronts *fronts) {
+    yci_dissect d;
+    size_t size = (size_t)n, arena = 10 * size + 4 * (size_t)ptr[n] + 64;
+    int *block = NULL, *at, *index, *sorted_ptr, *sorted_col, *sorted_dim, *sorted_stage, i, k, used = 0;
+    yc_result result;
+    memset(&d, 0, sizeof d);
+    if (arena <= (size_t)INT_MAX - 12 * size) block = YCI_NEW(c, int, 11 * size + 1 + arena);
+    if (!block) return yci_out_of_memory(c, "an elimination order");
+    d.size = (int)arena;
+    d.heap = at = block, d.place = at += n, d.gain = at += n, d.rim = at += n, d.rim_before = at += n;
+    d.table = at += n, d.best = at += n, d.stage = at += n, d.moved = at += n, d.arena = at + n + 1;
+    memset(d.place, -1, size * sizeof(int));
+    yci_dissect_nodes(&d, n, dim, ptr, col);
+    index = d.place, d.used = 0, sorted_ptr = yci_dissect_take(&d, n + 1), sorted_col = yci_dissect_take(&d, ptr[n]);
+    sorted_dim = d.heap, sorted_stage = d.gain, at = d.rim;
+    yci_order_sort(n, d.stage, at, index);
+    for (i = 0; i < n; i++) index[at[i]] = i;
+    for (i = 0; i < n; i++) {
+        int v = at[i];
+        sorted_dim[i] = dim[v], sorted_stage[i] = d.stage[v], sorted_ptr[i] = used;
+        for (k = ptr[v]; k < ptr[v + 1]; k++) sorted_col[used++] = index[col[k]];
+    }
+    sorted_ptr[n] = used;
+    result = yci_order_minimum_degree(c, n, sorted_dim, sorted_ptr, sorted_col, sorted_stage, order, fronts);
+    for (i = 0; i < n; i++) order[i] = at[order[i]];
+    yci_free(c, block);
+    return result;
+}
+
+/* Minimum degree; and dissection where the order is good for so many factorisations that what it may save, about a
+ * quarter of the operations from this size on, outweighs the few microseconds that it takes per node. The better one is
+ * kept: on regular grids of medium size that is often minimum degree. */
+#define YCI_ORDER_SMALL 6000    /* nodes */
+#define YCI_ORDER_WORTH 30000.0 /* operations per node */
+
+static yc_result yci_order_auto(
+    yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order, yci_order_fronts *fronts) {
+    yci_order_fronts other;
+    size_t size = (size_t)n, bytes;
+    yc_result result = yci_order_minimum_degree(c, n, dim, ptr, col, NULL, order, fronts);
+    int *block;
+    if (result != YC_OK || n < YCI_ORDER_SMALL || fronts->flops < YCI_ORDER_WORTH * n) return result;
+    block = YCI_NEW(c, int, 4 * size);
+    if (!block) return yci_out_of_memory(c, "an elimination order");
+    other.size = block + size, other.below = other.size + n, other.parent = other.below + n;
+    result = yci_order_dissect(c, n, dim, ptr, col, block, &other);
+    if (result == YC_OK && other.flops < fronts->flops) {
+        bytes = (size_t)other.count * sizeof(int);
+        memcpy(order, block, size * sizeof(int)), memcpy(fronts->size, other.size, bytes);
+        memcpy(fronts->below, other.below, bytes), memcpy(fronts->parent, other.parent, bytes);
+        fronts->count = other.count, fronts->known = other.known, fronts->flops = other.flops;
+    }
+    yci_free(c, block);
+    return result;
 }
 
 /* ------------------------------------------------------------------------------------ direct: symbolic analysis --- */
@@ -2724,13 +3191,13 @@ static void yci_ldl_destroy(yci_ldl *f) {
 typedef struct yci_ldl_plan {
     int n, active;
     const int *dim, *ptr, *col;
-    int *node, *pos;            /* node of a position, position of a node (-1: none) */
-    int *parent, *post;         /* elimination tree on positions, and its postorder */
-    int *head, *next, *work;    /* work arrays */
-    int *count, *weight;        /* column counts below the diagonal: nodes, and unknowns */
-    int *super_of, *super_last; /* fundamental supernode of a position; its last position */
-    int *super_parent, *width, *height, *merged, *group;
-    double *zeros; /* padding that amalgamation brought into a supernode */
+    int *node, *pos;             /* node of a position, position of a node (-1: none) */
+    int *parent, *first;         /* elimination tree on positions; the first position of the subtree of each */
+    int *head, *next, *work;     /* work arrays */
+    int *count, *weight;         /* column counts below the diagonal: nodes, and unknowns */
+    int *super_of;               /* supernode of a position */
+    int *super_parent, *below;   /* of a supernode: the one above, nodes below its panel, */
+    int *width, *height, *group; /* unknowns of its panel; first where it went in amalgamation, at last `below` */
     int supers, groups;
 } yci_ldl_plan;
 
@@ -2752,40 +3219,59 @@ static void yci_ldl_tree(yci_ldl_plan *t) {
     }
 }
 
-/* post[k] is the vertex visited k-th; children come before parents, in ascending order, and subtrees stay together. */
-static void yci_ldl_postorder(int n, const int *parent, int *post, int *head, int *next, int *stack) {
-    int i, k = 0, depth = 0, root = -1;
-    for (i = 0; i < n; i++) head[i] = -1;
+/* index[i] becomes the place of vertex i of a forest in postorder: children before parents, in ascending order, subtrees
+ * together; `size` becomes that of its subtree. From the top, every subtree takes as many places as it has vertices, from
+ * behind, out of those that its parent's has left. */
+static void yci_ldl_postorder(int n, const int *parent, int *size, int *index) {
+    int i, end = n;
+    for (i = 0; i < n; i++) size[i] = 1;
+    for (i = 0; i < n; i++)
+        if (parent[i] >= 0) size[parent[i]] += size[i];
     for (i = n - 1; i >= 0; i--) {
-        int *list = parent[i] < 0 ? &root : &head[parent[i]];
-        next[i] = *list, *list = i;
+        int *left = parent[i] < 0 ? &end : &index[parent[i]];
+        int own = *left - 1;
+        *left -= size[i], index[i] = own;
     }
-    while (root >= 0 || depth > 0) {
-        if (depth == 0) stack[depth++] = root, root = next[root];
-        i = stack[depth - 1];
-        if (head[i] >= 0) stack[depth++] = head[i], head[i] = next[head[i]];
-        else post[k++] = i, depth--;
-    }
+    for (i = 0; i < n; i++) index[i] += size[i] - 1;
 }
 
-/* Renumbers positions: the one visited k-th becomes position k. */
-static void yci_ldl_renumber(yci_ldl_plan *t) {
-    int i;
-    for (i = 0; i < t->active; i++) t->work[i] = t->node[t->post[i]];
-    for (i = 0; i < t->active; i++) t->node[i] = t->work[i], t->pos[t->node[i]] = i;
-}
-
-/* Counts of the columns of L: row i has an entry in every column on the tree's paths from the columns of A's row up to
- * i. Costs one step per node entry of L, which is a small part of the factorisation. */
-static void yci_ldl_count(yci_ldl_plan *t) {
-    int i, j, k;
-    for (i = 0; i < t->active; i++) t->count[i] = t->weight[i] = 0, t->work[i] = -1;
+/* Renumbers positions in postorder. */
+static void yci_ldl_sort(yci_ldl_plan *t) {
+    int i, *size = t->count, *index = t->next, *node = t->work, *parent = t->weight;
+    yci_ldl_postorder(t->active, t->parent, size, index);
     for (i = 0; i < t->active; i++) {
-        int v = t->node[i];
-        t->work[i] = i;
-        for (k = t->ptr[v]; k < t->ptr[v + 1]; k++)
-            for (j = t->pos[t->col[k]]; j >= 0 && j < i && t->work[j] != i; j = t->parent[j])
-                t->work[j] = i, t->count[j]++, t->weight[j] += t->dim[v];
+        int place = index[i];
+        t->first[place] = place - size[i] + 1, node[place] = t->node[i];
+        parent[place] = t->parent[i] < 0 ? -1 : index[t->parent[i]];
+    }
+    for (i = 0; i < t->active; i++) t->node[i] = node[i], t->pos[node[i]] = i, t->parent[i] = parent[i];
+}
+
+/* Counts of the columns of L (Gilbert, Ng, Peyton, An efficient algorithm to compute row and column counts for sparse
+ * Cholesky factorization, SIAM J. Matrix Anal. 15, 1994). Row i of L is a subtree with root i; its leaves are those
+ * neighbours j < i of i that have no earlier one in their own subtree. A row's weight is put on each leaf and taken off
+ * where a leaf's path meets that of the leaf before, and at the root; then sums over subtrees are the counts. `up` leads
+ * to the first vertex not yet passed, where the paths meet, and is compressed by halving. */
+static void yci_ldl_count(yci_ldl_plan *t) {
+    int *leaf = t->work, *up = t->next, i, j, k;
+    for (i = 0; i < t->active; i++) t->count[i] = t->weight[i] = 0, leaf[i] = -1, up[i] = i;
+    for (j = 0; j < t->active; j++) {
+        int v = t->node[j], first = t->first[j];
+        for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) {
+            int meet, weight;
+            i = t->pos[t->col[k]];
+            if (i <= j || leaf[i] >= first) continue;
+            meet = leaf[i] < 0 ? i : leaf[i], weight = t->dim[t->col[k]];
+            while (up[meet] != meet) meet = up[meet] = up[up[meet]];
+            t->count[j]++, t->weight[j] += weight;
+            t->count[meet]--, t->weight[meet] -= weight;
+            leaf[i] = j;
+        }
+        if (t->parent[j] >= 0) up[j] = t->parent[j];
+    }
+    for (j = 0; j < t->active; j++) {
+        i = t->parent[j];
+        if (i >= 0) t->count[i] += t->count[j], t->weight[i] += t->weight[j];
     }
 }
 
@@ -2793,71 +3279,102 @@ static void yci_ldl_count(yci_ldl_plan *t) {
 static void yci_ldl_fundamental(yci_ldl_plan *t) {
     int i, s = -1;
     for (i = 0; i < t->active; i++) {
-        if (i == 0 || t->parent[i - 1] != i || t->count[i - 1] != t->count[i] + 1) {
-            s++;
-            t->width[s] = 0, t->merged[s] = -1, t->zeros[s] = 0.0;
-        }
-        t->super_of[i] = s, t->super_last[s] = i, t->width[s] += t->dim[t->node[i]];
+        if (i == 0 || t->parent[i - 1] != i || t->count[i - 1] != t->count[i] + 1) t->width[++s] = 0;
+        t->super_of[i] = s, t->width[s] += t->dim[t->node[i]], t->height[s] = t->width[s] + t->weight[i];
+        t->super_parent[s] = t->parent[i], t->below[s] = t->count[i];
     }
     t->supers = s + 1;
-    for (s = 0; s < t->supers; s++) {
-        i = t->super_last[s];
-        t->height[s] = t->width[s] + t->weight[i];
-        t->super_parent[s] = t->parent[i] < 0 ? -1 : t->super_of[t->parent[i]];
+    for (s = 0; s < t->supers; s++)
+        if (t->super_parent[s] >= 0) t->super_parent[s] = t->super_of[t->super_parent[s]];
+}
+
+/* The same from the fronts of the ordering, which has seen them all; what it left in the plan's own arrays are numbers of
+ * nodes, all of the same number of unknowns. */
+static void yci_ldl_take_fronts(yci_ldl_plan *t, int count) {
+    int s, i = 0, dim = t->active ? t->dim[t->node[0]] : 0;
+    t->supers = count;
+    for (s = 0; s < count; s++) {
+        int end = i + t->width[s];
+        while (i < end) t->super_of[i++] = s;
+        t->width[s] *= dim, t->height[s] = t->width[s] + dim * t->below[s];
     }
 }
 
-/* Lets a supernode take in its children where the padding is small against the work per front that it saves. Narrow
- * supernodes may be padded most; the bounds were found by trial on cloth and yarn grids and are flat around here. */
+/* Costs in nanoseconds on a processor of 2024: of a front, whatever its size; of a multiplication and addition; of an
+ * entry of its update matrix; of a stored zero, which the factorisation hardly feels but every solve reads twice. */
+#define YCI_LDL_FRONT 150.0
+#define YCI_LDL_FLOP (1.0 / 60.0)
+#define YCI_LDL_ENTRY 0.5
+#define YCI_LDL_ZERO 6.0
+
+static double yci_ldl_cost(double width, double height) {
+    double below = height - width;
+    return YCI_LDL_FRONT + YCI_LDL_FLOP / 3.0 * (height * height * height - below * below * below) +
+        YCI_LDL_ENTRY / 2.0 * below * below;
+}
+
+/* Lets a supernode take in those of its children with which it costs less in one front than in two. The child's columns
+ * come to the front and grow by the rows that it had not; nothing is left of its update matrix. Leaves in `group` the
+ * supernode that a supernode has become part of, which is the topmost. */
 static void yci_ldl_amalgamate(yci_ldl_plan *t) {
     int s, child;
     for (s = 0; s < t->supers; s++) t->head[s] = -1;
     for (s = 0; s < t->supers; s++) {
+        double cost = yci_ldl_cost(t->width[s], t->height[s]);
+        t->group[s] = s;
         for (child = t->head[s]; child >= 0; child = t->next[child]) {
-            double w = (double)t->width[s] + t->width[child], h = (double)t->height[s] + t->width[child];
-            double zeros = t->zeros[s] + t->zeros[child] +
-                (double)t->width[child] * (t->height[s] - (t->height[child] - t->width[child]));
-            double ratio = zeros / (w * (h - 0.5 * (w - 1.0)));
-            if (!(ratio <= 0.05 || (w <= 48.0 && ratio <= 0.15) || (w <= 16.0 && ratio <= 0.5) || w <= 8.0)) continue;
-            t->merged[child] = s, t->zeros[s] = zeros;
+            double w = t->width[child], h = t->height[child];
+            double merged = yci_ldl_cost(t->width[s] + w, t->height[s] + w), zeros = w * (t->height[s] - (h - w));
+            if (merged + YCI_LDL_ZERO * zeros > cost + yci_ldl_cost(w, h)) continue;
+            t->group[child] = s, cost = merged;
             t->width[s] += t->width[child], t->height[s] += t->width[child];
         }
         if (t->super_parent[s] >= 0) t->next[s] = t->head[t->super_parent[s]], t->head[t->super_parent[s]] = s;
     }
-    t->groups = 0;
-    for (s = t->supers - 1; s >= 0; s--) t->group[s] = t->merged[s] < 0 ? s : t->group[t->merged[s]];
+    for (s = t->supers - 1; s >= 0; s--) t->group[s] = t->group[t->group[s]];
 }
 
-/* Orders the groups by a postorder of their own tree and the positions by group. Leaves super_of pointing at the final
- * supernodes, `width`, `height` and `super_parent` in their order, and `super_last` at the top column of each. */
+/* Makes the groups supernodes and renumbers them in postorder, and the positions by them. */
 static void yci_ldl_regroup(yci_ldl_plan *t) {
-    int s, i, *index = t->merged, *tree = t->parent, *begin = t->work;
+    int s, i, at = 0, *index = t->head, *begin = t->next, *parent = t->count, *size = t->work, *node = t->work;
+    t->groups = 0;
+    for (s = 0; s < t->supers; s++) index[s] = t->group[s] == s ? t->groups++ : -1;
     for (s = 0; s < t->supers; s++)
-        if (t->group[s] == s) index[s] = t->groups++;
-    for (s = 0; s < t->supers; s++) /* in place: a group's index is never above its own number */
-        if (t->group[s] == s) {
-            int up = t->super_parent[s];
-            i = index[s];
-            tree[i] = up < 0 ? -1 : t->group[up];
-            t->width[i] = t->width[s], t->height[i] = t->height[s], t->super_last[i] = t->super_last[s];
+        if (index[s] >= 0) parent[index[s]] = t->super_parent[s] < 0 ? -1 : index[t->group[t->super_parent[s]]];
+    yci_ldl_postorder(t->groups, parent, size, begin);
+    for (s = 0; s < t->supers; s++)
+        if (index[s] >= 0) {
+            i = index[s] = begin[index[s]];
+            t->parent[i] = t->super_parent[s];
+            t->first[i] = t->width[s], t->weight[i] = t->height[s], t->count[i] = t->below[s];
         }
-    for (i = 0; i < t->groups; i++)
-        if (tree[i] >= 0) tree[i] = index[tree[i]];
-    for (i = 0; i < t->active; i++) t->super_of[i] = index[t->group[t->super_of[i]]];
-    yci_ldl_postorder(t->groups, tree, t->post, t->head, t->next, t->work);
-    for (i = 0; i < t->groups; i++) index[t->post[i]] = i;
-    for (i = 0; i < t->groups; i++) {
-        s = index[i];
-        t->super_parent[s] = tree[i] < 0 ? -1 : index[tree[i]];
-        t->head[s] = t->width[i], t->next[s] = t->height[i], t->group[s] = t->count[t->super_last[i]];
+    for (s = 0; s < t->groups; s++) {
+        t->super_parent[s] = t->parent[s] < 0 ? -1 : index[t->group[t->parent[s]]];
+        t->width[s] = t->first[s], t->height[s] = t->weight[s], t->below[s] = t->count[s], begin[s] = 0;
     }
-    for (i = 0; i < t->groups; i++) t->width[i] = t->head[i], t->height[i] = t->next[i], begin[i] = 0;
-    for (i = 0; i < t->active; i++) begin[t->super_of[i] = index[t->super_of[i]]]++;
-    for (i = 0, s = 0; i < t->groups; i++) s += begin[i], begin[i] = s - begin[i];
-    for (i = 0; i < t->active; i++) t->post[begin[t->super_of[i]]++] = i;
-    for (i = 0; i < t->active; i++) t->count[i] = t->super_of[t->post[i]];
-    for (i = 0; i < t->active; i++) t->super_of[i] = t->count[i];
-    yci_ldl_renumber(t);
+    for (i = 0; i < t->active; i++) begin[t->super_of[i] = index[t->group[t->super_of[i]]]]++;
+    for (s = 0; s < t->groups; s++) at += begin[s], begin[s] = at - begin[s];
+    for (i = 0; i < t->active; i++) node[begin[t->super_of[i]]++] = t->node[i];
+    for (i = 0, s = 0; i < t->active; i++) {
+        t->node[i] = node[i], t->pos[node[i]] = i;
+        while (i >= begin[s]) s++;
+        t->super_of[i] = s;
+    }
+    for (s = 0; s < t->groups; s++) t->group[s] = t->below[s];
+}
+
+/* Supernodes from the elimination order in `node`, which is renumbered; `fronts` are those that the order was made with,
+ * if they are known. */
+static void yci_ldl_lay_out(yci_ldl_plan *t, const yci_order_fronts *fronts) {
+    if (fronts->known) yci_ldl_take_fronts(t, fronts->count);
+    else {
+        yci_ldl_tree(t);
+        yci_ldl_sort(t);
+        yci_ldl_count(t);
+        yci_ldl_fundamental(t);
+    }
+    yci_ldl_amalgamate(t);
+    yci_ldl_regroup(t);
 }
 
 /* Numbers of a supernode's update matrix. */
@@ -3080,22 +3597,24 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
 static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const int *ptr, const int *col,
     const int *order, int spd, const yci_ldl_run *run, size_t run_count, yci_ldl **out) {
     yci_ldl_plan t;
+    yci_order_fronts fronts;
     yci_ldl *f = YCI_NEW(c, yci_ldl, 1);
     size_t size = (size_t)n + 1;
-    int *block = YCI_NEW(c, int, 17 * size), *at = block, i, ok;
+    int *block = YCI_NEW(c, int, 16 * size), *at = block, i, ok;
     yc_result result = YC_OK;
     *out = NULL;
-    memset(&t, 0, sizeof t);
-    t.zeros = YCI_NEW(c, double, size);
-    ok = f && block && t.zeros && run_count <= INT_MAX;
+    memset(&t, 0, sizeof t), memset(&fronts, 0, sizeof fronts);
+    ok = f && block && run_count <= INT_MAX;
+    if (f) f->c = c;
     if (ok) {
         f->c = c, f->kernels = yci_kernels_best(), f->spd = spd;
         t.n = n, t.dim = dim, t.ptr = ptr, t.col = col;
-        t.node = at, t.pos = at += size, t.parent = at += size, t.post = at += size, t.head = at += size;
+        t.node = at, t.pos = at += size, t.parent = at += size, t.first = at += size, t.head = at += size;
         t.next = at += size, t.work = at += size, t.count = at += size, t.weight = at += size;
-        t.super_of = at += size, t.super_last = at += size, t.super_parent = at += size, t.width = at += size;
-        t.height = at += size, t.merged = at += size, t.group = at += size, at += size;
-        if (!order) result = yci_order_minimum_degree(c, n, dim, ptr, col, at);
+        t.super_of = at += size, t.super_parent = at += size, t.below = at += size, t.width = at += size;
+        t.height = at += size, t.group = at += size, at += size;
+        fronts.size = t.width, fronts.below = t.below, fronts.parent = t.super_parent;
+        if (!order) result = yci_order_auto(c, n, dim, ptr, col, at, &fronts);
         for (i = 0; i < n; i++) t.pos[i] = -1;
         for (i = 0; result == YC_OK && i < n; i++) {
             int v = order ? order[i] : at[i];
@@ -3105,22 +3624,14 @@ static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const in
         }
     }
     if (ok && result == YC_OK) {
-        yci_ldl_tree(&t);
-        yci_ldl_postorder(t.active, t.parent, t.post, t.head, t.next, t.work);
-        yci_ldl_renumber(&t);
-        yci_ldl_tree(&t);
-        yci_ldl_count(&t);
-        yci_ldl_fundamental(&t);
-        yci_ldl_amalgamate(&t);
-        yci_ldl_regroup(&t);
+        yci_ldl_lay_out(&t, &fronts);
         ok = yci_ldl_build(f, &t, run, (int)run_count);
     }
-    yci_free(c, block), yci_free(c, t.zeros);
+    yci_free(c, block);
     if (ok && result == YC_OK) {
         *out = f;
         return YC_OK;
     }
-    if (f) f->c = c;
     yci_ldl_destroy(f);
     return ok ? result : yci_out_of_memory(c, "a sparse factorisation");
 }

@@ -387,7 +387,8 @@ TEST(sparse_refusals) {
 /* The ordering is a permutation on random graphs, and its fill on a grid is that of a minimum-degree method. */
 TEST(sparse_order) {
     enum { N = 2500 };
-    static int pair[4 * N][2], dim[N], order[N], seen[N];
+    static int pair[4 * N][2], dim[N], order[N], seen[N], size[N], below[N], parent[N];
+    yci_order_fronts fronts = {0, 0, size, below, parent, 0.0};
     uint64_t seed = 1;
     int trial, i;
     for (trial = 0; trial < 6; trial++) {
@@ -396,7 +397,7 @@ TEST(sparse_order) {
         size_t pairs = graph(trial < 4 ? 2 : trial == 4 ? 4 : 0, N, pair, &seed);
         for (i = 0; i < N; i++) dim[i] = trial == 1 ? i % 2 : 1, seen[i] = 0;
         system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
-        CHECK_RESULT(yci_order_minimum_degree(&s.c, N, dim, s.m.ptr, s.m.col, order), YC_OK);
+        CHECK_RESULT(yci_order_minimum_degree(&s.c, N, dim, s.m.ptr, s.m.col, NULL, order, &fronts), YC_OK);
         for (i = 0; i < N; i++) seen[order[i]]++;
         for (i = 0; i < N; i++) CHECK(seen[i] == 1);
         if (trial >= 4) {
