@@ -1452,8 +1452,9 @@ YC_API double yc_lu_rcond(const yc_lu *lu) {
  *   yc_chol     the public face of yci_ldl
  *
  * Ordering: approximate minimum external degree on the quotient graph (Amestoy, Davis, Duff, An approximate minimum
- * degree ordering algorithm, SIAM J. Matrix Anal. 17, 1996), on nodes rather than unknowns; for large matrices with much
- * work per node, inside the pieces and separators of a nested dissection. The fronts that it meets are the supernodes.
+ * degree ordering algorithm, SIAM J. Matrix Anal. 17, 1996), on nodes rather than unknowns; for large matrices with
+ * much work per node, inside the pieces and separators of a nested dissection. The fronts that it meets are the
+ * supernodes.
  *
  * Factorisation: multifrontal (Duff and Reid, 1983; Liu, The multifrontal method for sparse matrix solution, SIAM
  * Review 34, 1992). The nodes of one supernode s stand in one front of `height` rows, sorted by elimination order, of
