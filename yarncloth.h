@@ -2277,13 +2277,15 @@ YC_API double yc_lu_rcond(const yc_lu *lu) {
  * Sparse symmetric matrices of small dense blocks, one block row per node:
  *
  *   yci_bsr     the matrix: pattern from node pairs, product
- *   yci_order   minimum-degree ordering of the node graph
+ *   yci_order   fill-reducing ordering of the node graph: minimum degree, nested dissection
  *   yci_ldl     direct factorisation P A P' = L D L', D of one symmetric block per node
  *   yci_ic      incomplete factorisation on the matrix's own pattern, for preconditioning
  *   yc_chol     the public face of yci_ldl
  *
  * Ordering: approximate minimum external degree on the quotient graph (Amestoy, Davis, Duff, An approximate minimum
- * degree ordering algorithm, SIAM J. Matrix Anal. 17, 1996), on nodes rather than unknowns.
+ * degree ordering algorithm, SIAM J. Matrix Anal. 17, 1996), on nodes rather than unknowns; for large matrices with
+ * much work per node, inside the pieces and separators of a nested dissection. The fronts that it meets are the
+ * supernodes.
  *
  * Factorisation: multifrontal (Duff and Reid, 1983; Liu, The multifrontal method for sparse matrix solution, SIAM
  * Review 34, 1992). The nodes of one supernode s stand in one front of `height` rows, sorted by elimination order, of
@@ -2793,8 +2795,8 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
 /* -------------------------------------------------------------------------------------------- nested dissection --- */
 
 /* Multilevel vertex separators (Karypis and Kumar, A fast and high quality multilevel scheme for partitioning irregular
- * graphs, SIAM J. Sci. Comput. 20, 1998; the improvement is of the kind of Fiduccia and Mattheyses, 1982). Stars of a few
- * vertices become vertices of a coarser graph, the coarsest is cut by breadth-first growth, and on the way back the
+ * graphs, SIAM J. Sci. Comput. 20, 1998; the improvement is of the kind of Fiduccia and Mattheyses, 1982). Stars of a
+ * few vertices become vertices of a coarser graph, the coarsest is cut by breadth-first growth, and on the way back the
  * separator is improved on every level: vertices leave it to one side, what they touch on the other comes in, and the
  * best moment is kept. Sides are cut again until they are small. Minimum degree then orders the whole graph with pieces
  * and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
@@ -2802,6 +2804,7 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
 #define YCI_DISSECT_COARSEST 60 /* of one that is not coarsened */
 #define YCI_DISSECT_STAR 3      /* of a star; twice as many in the finest graph */
 #define YCI_DISSECT_TRIES 4     /* cuts of the coarsest graph */
+#define YCI_DISSECT_SWEEPS 20   /* of a level, at most */
 #define YCI_DISSECT_BALANCE 0.6 /* the most of the weight that one side may have */
 #define YCI_DISSECT_PATIENCE 10 /* moves without gain in a sweep, beyond the size of the separator */
 
@@ -2816,9 +2819,10 @@ typedef struct yci_dissect {
     int *arena, used, size;               /* graphs, as a stack */
     int *heap, *place, *gain, heap_count; /* vertices of the separator, greatest gain first; place -1: not there */
     int *rim, rim_count;                  /* all that have been in the separator during a sweep */
-    int *moved, *rim_before, *table, *best;
-    int weight[3]; /* of both sides and of the separator */
-    int *stage, stages;
+    int *moved, *rim_before;              /* what a sweep has moved, and how much rim there was before */
+    int *table, *best;                    /* work */
+    int weight[3];                        /* of both sides and of the separator */
+    int *stage, stages;                   /* per node; how many so far */
 } yci_dissect;
 
 static int *yci_dissect_take(yci_dissect *d, int count) {
@@ -2865,8 +2869,8 @@ static int yci_dissect_gather(yci_dissect *d, yci_dissect_graph *g) {
     return count;
 }
 
-/* The graph of the stars. An edge met again is found by its slot; the first slot of a vertex stands for the edges inside
- * and is filled by the last one in the end. Returns 0 if it is not worth it. */
+/* The graph of the stars. An edge met again is found by its slot; the first slot of a vertex stands for the edges
+ * inside and is filled by the last one in the end. Returns 0 if it is not worth it. */
 static int yci_dissect_coarsen(yci_dissect *d, yci_dissect_graph *g, yci_dissect_graph *coarse) {
     int count = yci_dissect_gather(d, g), i, k, m, used = 0, *slot = d->best;
     if (count > g->n - g->n / 8 || !yci_dissect_open(d, coarse, count, g->ptr[g->n] + count, 1)) return 0;
@@ -2893,10 +2897,10 @@ static int yci_dissect_coarsen(yci_dissect *d, yci_dissect_graph *g, yci_dissect
     return 1;
 }
 
+/* The heap of the separator: v rises from a place, the best one comes out. */
 static void yci_dissect_raise(yci_dissect *d, int v, int at) {
-    while (at > 0 && d->gain[d->heap[(at - 1) / 2]] < d->gain[v]) {
-        d->heap[at] = d->heap[(at - 1) / 2], d->place[d->heap[at]] = at, at = (at - 1) / 2;
-    }
+    for (; at > 0 && d->gain[d->heap[(at - 1) / 2]] < d->gain[v]; at = (at - 1) / 2)
+        d->heap[at] = d->heap[(at - 1) / 2], d->place[d->heap[at]] = at;
     d->heap[at] = v, d->place[v] = at;
 }
 
@@ -2965,15 +2969,16 @@ static int yci_dissect_sweep(yci_dissect *d, yci_dissect_graph *g, int to) {
     return least < before;
 }
 
-/* Sweeps to the lighter side first and then in turns, until neither way gains. */
+/* Sweeps to the lighter side first and then in turns, until neither way gains, which is after 3 or 4 as a rule. */
 static void yci_dissect_refine(yci_dissect *d, yci_dissect_graph *g) {
-    int i, to, idle = 0;
+    int i, to, idle = 0, sweep = 0;
     d->rim_count = 0, d->weight[0] = d->weight[1] = d->weight[2] = 0;
     for (i = 0; i < g->n; i++) {
         d->weight[g->side[i]] += g->weight[i];
         if (g->side[i] == 2) d->rim[d->rim_count++] = i;
     }
-    for (to = d->weight[0] > d->weight[1]; idle < 2; to = 1 - to) idle = yci_dissect_sweep(d, g, to) ? 0 : idle + 1;
+    for (to = d->weight[0] > d->weight[1]; idle < 2 && sweep++ < YCI_DISSECT_SWEEPS; to = 1 - to)
+        idle = yci_dissect_sweep(d, g, to) ? 0 : idle + 1;
 }
 
 /* Grows side 0 from a vertex, breadth first, to half of the weight; those waiting then are the separator. */
@@ -3074,8 +3079,8 @@ static void yci_dissect_nodes(yci_dissect *d, int n, const int *dim, const int *
         if (d->stage[i] < 0) d->stage[i] = d->stages;
 }
 
-/* As yci_order_minimum_degree, by nested dissection. Minimum degree works on a copy sorted by stages, most of whose steps
- * stay within the cache. */
+/* As yci_order_minimum_degree, by nested dissection. Minimum degree works on a copy sorted by stages, most of whose
+ * steps stay within the cache. */
 static yc_result yci_order_dissect(
     yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order, yci_order_fronts *fronts) {
     yci_dissect d;
@@ -3101,7 +3106,7 @@ static yc_result yci_order_dissect(
     }
     sorted_ptr[n] = used;
     result = yci_order_minimum_degree(c, n, sorted_dim, sorted_ptr, sorted_col, sorted_stage, order, fronts);
-    for (i = 0; i < n; i++) order[i] = at[order[i]];
+    for (i = 0; result == YC_OK && i < n; i++) order[i] = at[order[i]];
     yci_free(c, block);
     return result;
 }
@@ -3219,9 +3224,9 @@ static void yci_ldl_tree(yci_ldl_plan *t) {
     }
 }
 
-/* index[i] becomes the place of vertex i of a forest in postorder: children before parents, in ascending order, subtrees
- * together; `size` becomes that of its subtree. From the top, every subtree takes as many places as it has vertices, from
- * behind, out of those that its parent's has left. */
+/* index[i] becomes the place of vertex i of a forest in postorder: children before parents, in ascending order,
+ * subtrees together; `size` becomes that of its subtree. From the top, every subtree takes as many places as it has
+ * vertices, from behind, out of those that its parent's has left. */
 static void yci_ldl_postorder(int n, const int *parent, int *size, int *index) {
     int i, end = n;
     for (i = 0; i < n; i++) size[i] = 1;
@@ -3250,8 +3255,8 @@ static void yci_ldl_sort(yci_ldl_plan *t) {
 /* Counts of the columns of L (Gilbert, Ng, Peyton, An efficient algorithm to compute row and column counts for sparse
  * Cholesky factorization, SIAM J. Matrix Anal. 15, 1994). Row i of L is a subtree with root i; its leaves are those
  * neighbours j < i of i that have no earlier one in their own subtree. A row's weight is put on each leaf and taken off
- * where a leaf's path meets that of the leaf before, and at the root; then sums over subtrees are the counts. `up` leads
- * to the first vertex not yet passed, where the paths meet, and is compressed by halving. */
+ * where a leaf's path meets that of the leaf before, and at the root; then sums over subtrees are the counts. `up`
+ * leads to the first vertex not yet passed, where the paths meet, and is compressed by halving. */
 static void yci_ldl_count(yci_ldl_plan *t) {
     int *leaf = t->work, *up = t->next, i, j, k;
     for (i = 0; i < t->active; i++) t->count[i] = t->weight[i] = 0, leaf[i] = -1, up[i] = i;
@@ -3288,8 +3293,8 @@ static void yci_ldl_fundamental(yci_ldl_plan *t) {
         if (t->super_parent[s] >= 0) t->super_parent[s] = t->super_of[t->super_parent[s]];
 }
 
-/* The same from the fronts of the ordering, which has seen them all; what it left in the plan's own arrays are numbers of
- * nodes, all of the same number of unknowns. */
+/* The same from the fronts of the ordering, which has seen them all; what it left in the plan's own arrays are numbers
+ * of nodes, all of the same number of unknowns. */
 static void yci_ldl_take_fronts(yci_ldl_plan *t, int count) {
     int s, i = 0, dim = t->active ? t->dim[t->node[0]] : 0;
     t->supers = count;
@@ -3302,10 +3307,10 @@ static void yci_ldl_take_fronts(yci_ldl_plan *t, int count) {
 
 /* Costs in nanoseconds on a processor of 2024: of a front, whatever its size; of a multiplication and addition; of an
  * entry of its update matrix; of a stored zero, which the factorisation hardly feels but every solve reads twice. */
-#define YCI_LDL_FRONT 150.0
+#define YCI_LDL_FRONT 300.0
 #define YCI_LDL_FLOP (1.0 / 60.0)
 #define YCI_LDL_ENTRY 0.5
-#define YCI_LDL_ZERO 6.0
+#define YCI_LDL_ZERO 2.0
 
 static double yci_ldl_cost(double width, double height) {
     double below = height - width;
@@ -3363,8 +3368,8 @@ static void yci_ldl_regroup(yci_ldl_plan *t) {
     for (s = 0; s < t->groups; s++) t->group[s] = t->below[s];
 }
 
-/* Supernodes from the elimination order in `node`, which is renumbered; `fronts` are those that the order was made with,
- * if they are known. */
+/* Supernodes from the elimination order in `node`, which is renumbered; `fronts` are those that the order was made
+ * with, if they are known. */
 static void yci_ldl_lay_out(yci_ldl_plan *t, const yci_order_fronts *fronts) {
     if (fronts->known) yci_ldl_take_fronts(t, fronts->count);
     else {
