@@ -69,7 +69,8 @@
  * runs host.parallel_for. Results are the same bits for any number of workers, in one build on one machine.
  *
  * MACROS. YARNCLOTH_IMPLEMENTATION as above; YC_API in front of public functions (extern by default; define it as
- * static for a private copy). Do not compile with -ffast-math: the file refuses it.
+ * static for a private copy). YC_USE_LAPACK: yc_lu_factor and yc_lu_solve call dgetrf_ and dgetrs_ (32-bit integers)
+ * of a LAPACK that you link. Do not compile with -ffast-math: the file refuses it.
  *
  * CONTENTS. Search for the tag. Declarations first, complete with their documentation; stop reading where they end
  * if you only want to use the library. A chapter of the implementation calls only chapters above it.
@@ -184,6 +185,10 @@ YC_API yc_result yc_lu_solve_transposed(const yc_lu *lu, double *x, int count, i
  * perfect, below 1e-15 solutions mean nothing. Costs a few solves. 0 when there is no factor. Uses the object's
  * workspace, so one thread at a time. */
 YC_API double yc_lu_rcond(const yc_lu *lu);
+
+/* The growth of the elimination, largest |U| / largest |A|: usually below 10 or so. Rounding errors of solutions are
+ * those of an A changed by about growth * 1e-16 of its largest entry. Reads U once; 0 when there is no factor. */
+YC_API double yc_lu_growth(const yc_lu *lu);
 
 /* Why the last yc_lu_factor failed, in words; never NULL. Valid until the next call with this object. */
 YC_API const char *yc_lu_message(const yc_lu *lu);
@@ -947,8 +952,10 @@ YC_FN double yci_angle_difference(double a, double b) {
  * Promises: each entry of a result is summed in one order, whatever the number of workers.
  * ===================================================================================================================== */
 
-#define YCI_BLOCK_MAX 8                          /* rows of the largest node block */
-#define YCI_LU_PANEL 32                          /* columns of a panel of the sparse factorisation */
+#define YCI_BLOCK_MAX 8 /* rows of the largest node block */
+#define YCI_LU_PANEL 32 /* columns of a panel of the sparse factorisation */
+#define YCI_LU_BLOCK 128
+#define YCI_LU_LEFT 480
 #define YCI_LU_STRIP 24                          /* columns that LU updates together */
 #define YCI_PIVOT_TOLERANCE (64.0 * DBL_EPSILON) /* a pivot this small against what it came from is rounding error */
 
@@ -1152,6 +1159,10 @@ typedef struct yci_kernels {
     /* Exchanges the rows k and pivot[k], each n numbers at a + row * lda, for k = 0 to count - 1. */
     void (*exchange)(int count, const int *pivot, int n, double *a, size_t lda);
 
+    /* C -= A B' for m <= YCI_LU_STRIP, in whole vectors, and many rows n of B, multiples of YCI_PANEL. */
+    void (*update)(
+        int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc);
+
     /* X := inverse(L U) X, or of its transpose, for count <= YCI_RIGHT. The factor lies by rows at f, its corners of
      * YCI_PANEL rows also by columns at `corner`; inverse: one over U's diagonal. */
     void (*solve)(int n, const double *f, size_t ld, const double *corner, const double *inverse, double *x, size_t ldx,
@@ -1217,13 +1228,14 @@ typedef struct yci_kernels {
 #define V_COUNT _mm512_setr_pd(0, 1, 2, 3, 4, 5, 6, 7)
 #define V_LOAD_PART(p, n) _mm512_maskz_loadu_pd((__mmask8)((1u << (n)) - 1u), p)
 #define V_ABS(a) _mm512_abs_pd(a)
+#define V_MAX(a, b) _mm512_max_pd(a, b)
 #define V_PICK(a, b, x, y) _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_GT_OQ), y, x)
 #define V_LANE(a, i) _mm512_permutexvar_pd(_mm512_set1_epi64(i), a)
 #define V_PUT(p, i, x) yci_put_avx512(p, i, x)
 /* A whole vector is stored, for the loads behind it. */
-YCI_TARGET static inline void yci_put_avx512(double *p, int i, double x) {
+YCI_TARGET static inline void yci_put_avx512(double *p, int i, V x) {
     double *at = p + (i & ~7);
-    _mm512_storeu_pd(at, _mm512_mask_mov_pd(_mm512_loadu_pd(at), (__mmask8)(1u << (i & 7)), _mm512_set1_pd(x)));
+    _mm512_storeu_pd(at, _mm512_mask_mov_pd(_mm512_loadu_pd(at), (__mmask8)(1u << (i & 7)), x));
 }
 #define V_EXPAND(p, bits) _mm512_maskz_expand_pd((__mmask8)(bits), _mm512_loadu_pd(p))
 #elif YCI_ISA == 256
@@ -1247,9 +1259,10 @@ YCI_TARGET static inline void yci_put_avx512(double *p, int i, double x) {
 #define V_COUNT _mm256_setr_pd(0, 1, 2, 3)
 #define V_LOAD_PART(p, n) _mm256_maskload_pd(p, yci_first_lanes_avx2(n))
 #define V_ABS(a) _mm256_andnot_pd(_mm256_set1_pd(-0.0), a)
+#define V_MAX(a, b) _mm256_max_pd(a, b)
 #define V_PICK(a, b, x, y) _mm256_blendv_pd(y, x, _mm256_cmp_pd(a, b, _CMP_GT_OQ))
 #define V_LANE(a, i) _mm256_set1_pd((a)[i])
-#define V_PUT(p, i, x) ((p)[i] = (x))
+#define V_PUT(p, i, x) _mm_store_sd((p) + (i), _mm256_castpd256_pd128(x))
 YCI_TARGET static inline __m256i yci_first_lanes_avx2(int n) {
     return _mm256_cmpgt_epi64(_mm256_set1_epi64x(n), _mm256_setr_epi64x(0, 1, 2, 3));
 }
@@ -1265,7 +1278,7 @@ YCI_TARGET static inline __m256i yci_first_lanes_avx2(int n) {
 #define V_FMA(a, b, c) ((c) + (a) * (b))
 #define V_FNMA(a, b, c) ((c) - (a) * (b))
 #define V_ALL_ROWS 1
-#define V_PUT(p, i, x) ((p)[i] = (x))
+#define V_MAX(a, b) V_PICK(a, b, a, b)
 #ifdef YCI_GNU
 #define V yci_two
 #define V_W 2
@@ -1302,6 +1315,7 @@ static inline yci_two yci_two_pick(yci_two a, yci_two b, yci_two x, yci_two y) {
 #define V_PICK(a, b, x, y) yci_two_pick(a, b, x, y)
 #define V_ABS(a) V_PICK(a, -(a), a, -(a))
 #define V_LANE(a, i) yci_two_set((a)[i])
+#define V_PUT(p, i, x) ((p)[i] = (x)[0])
 #else
 #define V double
 #define V_W 1
@@ -1314,6 +1328,7 @@ static inline yci_two yci_two_pick(yci_two a, yci_two b, yci_two x, yci_two y) {
 #define V_PICK(a, b, x, y) ((a) > (b) ? (x) : (y))
 #define V_ABS(a) fabs(a)
 #define V_LANE(a, i) ((void)(i), (a))
+#define V_PUT(p, i, x) ((p)[i] = (x))
 #endif
 #endif
 
@@ -1541,12 +1556,18 @@ YCI_TARGET static void YCI_(yci_above)(
 YCI_TARGET static double YCI_(yci_sizes)(int m, int n, const double *a, size_t lda, double *sums) {
     V most = V_SET(0.0);
     double lane[V_W], largest = 0.0;
-    int i, j;
-    for (i = 0; i < m; i++, a += lda)
+    int i, j, k;
+    for (i = 0; i < m; i += 4, a += 4 * lda)
         for (j = 0; j < n; j += V_W) {
-            V x = V_ABS(n - j < V_W ? V_LOAD_PART(a + j, n - j) : V_LOAD(a + j));
-            V_STORE(sums + j, V_ADD(V_LOAD(sums + j), x));
-            most = V_PICK(x, most, x, most);
+            V sum = V_LOAD(sums + j);
+            YCI_UNROLL
+            for (k = 0; k < 4; k++)
+                if (i + k < m) {
+                    const double *at = a + (size_t)k * lda + j;
+                    V x = V_ABS(n - j < V_W ? V_LOAD_PART(at, n - j) : V_LOAD(at));
+                    sum = V_ADD(sum, x), most = V_MAX(x, most);
+                }
+            V_STORE(sums + j, sum);
         }
     V_STORE(lane, most);
     for (i = 0; i < V_W; i++) largest = yci_max(largest, lane[i]);
@@ -1642,10 +1663,11 @@ YCI_TARGET YCI_INLINE int YCI_(yci_pivot)(int j, int m, double *a, size_t lda, i
     inverse = 1.0 / column[row];
     YCI_UNROLL
     for (q = 0; q < YCI_PANEL; q++) {
-        double *to = a + (size_t)q * lda, lower = to[row], upper = to[j];
+        double *to = a + (size_t)q * lda;
+        V upper = V_SET(to[j]);
+        u[q] = V_SET(to[row]);
         V_PUT(to, row, upper);
-        V_PUT(to, j, lower);
-        u[q] = V_SET(lower);
+        V_PUT(to, j, u[q]);
     }
     if (!(inverse <= DBL_MAX && inverse >= -DBL_MAX)) { /* the pivot is subnormal */
         double value = column[j];
@@ -1682,11 +1704,29 @@ YCI_TARGET static void YCI_(yci_exchange)(int count, const int *pivot, int n, do
     int i, k;
     for (k = 0; k < count; k++) {
         double *x = a + (size_t)k * lda, *y = a + (size_t)pivot[k] * lda;
+        if (k + YCI_PANEL < count)
+            for (i = 0; i < n; i += 8) V_PREFETCH(a + (size_t)pivot[k + YCI_PANEL] * lda + i);
         if (x == y) continue;
         for (i = 0; i < n; i += V_W) {
             V upper = V_LOAD(x + i), lower = V_LOAD(y + i);
             V_STORE(x + i, lower);
             V_STORE(y + i, upper);
+        }
+    }
+}
+
+/* The tile of the next rows is fetched meanwhile: they lie far apart, where no processor foresees them. */
+YCI_TARGET static void YCI_(yci_update)(
+    int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc) {
+    int i, j, p;
+    for (j = 0; j < n; j += V_TILE_N, c += V_TILE_N * ldc) {
+        for (p = V_TILE_N; p < 2 * V_TILE_N; p++)
+            for (i = 0; i < m; i += 8) V_PREFETCH(c + (size_t)p * ldc + i);
+        for (i = 0; i < m; i += V_TILE_V * V_W) {
+            int vectors = (m - i) / V_W;
+            if (vectors == 1) YCI_(yci_tile)(1, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
+            else if (vectors == 2) YCI_(yci_tile)(2, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
+            else YCI_(yci_tile)(V_TILE_V, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
         }
     }
 }
@@ -1907,7 +1947,7 @@ YCI_TARGET static void YCI_(yci_solve_transposed)(
 #define YCI_TEXT(name) YCI_TEXT_(name)
 static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
     YCI_(yci_below), YCI_(yci_above), YCI_(yci_sizes), YCI_(yci_transpose), YCI_(yci_pivots), YCI_(yci_exchange),
-    YCI_(yci_solve), YCI_(yci_solve_transposed)};
+    YCI_(yci_update), YCI_(yci_solve), YCI_(yci_solve_transposed)};
 
 #undef YCI_
 #undef YCI_TARGET
@@ -1932,6 +1972,7 @@ static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product
 #undef V_COUNT
 #undef V_LOAD_PART
 #undef V_ABS
+#undef V_MAX
 #undef V_PICK
 #undef V_LANE
 #undef V_PUT
@@ -2030,7 +2071,7 @@ static void yci_dense_tile(int k, const double *a, const double *b, double *c, s
 }
 
 /* Columns of a block of LU, which is factored by itself before the columns behind it are updated. */
-static int yci_lu_block(int n) { return n <= 128 ? 16 : n < 1000 ? 32 : 64; }
+static int yci_lu_block(int n) { return n <= 128 ? 16 : n < 400 ? 32 : n < 1000 ? 64 : 128; }
 
 struct yc_lu {
     yci_context context;
@@ -2160,16 +2201,20 @@ static int yci_lu_columns(yc_lu *lu, const yci_lu_block_of *block, int begin, in
 static void yci_lu_update(void *arg, int first, int last) {
     const yci_lu_block_of *block = (const yci_lu_block_of *)arg;
     yc_lu *lu = block->lu;
-    int size = block->end - block->begin, before = (block->begin + YCI_LU_STRIP - 1) / YCI_LU_STRIP, q;
+    double u[YCI_LU_STRIP * YCI_LU_BLOCK + YCI_OVERREAD];
+    int size = block->end - block->begin, before = (block->begin + YCI_LU_LEFT - 1) / YCI_LU_LEFT, q, k;
     for (q = first; q < last; q++) {
-        int right = q >= before, column = right ? block->end + (q - before) * YCI_LU_STRIP : q * YCI_LU_STRIP;
-        int stop = right ? lu->rows : block->begin, m = stop - column < YCI_LU_STRIP ? stop - column : YCI_LU_STRIP;
-        double *u = lu->f + (size_t)block->begin * lu->ld + column;
-        lu->kernels->exchange(size, lu->pivot + block->begin, m, u, lu->ld);
+        int right = q >= before, wide = right ? YCI_LU_STRIP : YCI_LU_LEFT;
+        int column = right ? block->end + (q - before) * wide : q * wide, stop = right ? lu->rows : block->begin;
+        int m = stop - column < wide ? stop - column : wide;
+        double *f = lu->f + (size_t)block->begin * lu->ld + column;
+        lu->kernels->exchange(size, lu->pivot + block->begin, m, f, lu->ld);
         if (!right) continue;
-        yci_lu_rows(lu, size, m, lu->w, u, lu->ld);
-        lu->kernels->product(
-            m, lu->rows - block->end, size, u, lu->ld, lu->w + size, lu->ldw, u + (size_t)size * lu->ld, lu->ld, 1);
+        for (k = 0; k < size; k++) memcpy(u + YCI_LU_STRIP * k, f + (size_t)k * lu->ld, (size_t)m * sizeof *u);
+        yci_lu_rows(lu, size, m, lu->w, u, YCI_LU_STRIP);
+        for (k = 0; k < size; k++) memcpy(f + (size_t)k * lu->ld, u + YCI_LU_STRIP * k, (size_t)m * sizeof *u);
+        lu->kernels->update(
+            m, lu->rows - block->end, size, u, YCI_LU_STRIP, lu->w + size, lu->ldw, f + (size_t)size * lu->ld, lu->ld);
     }
 }
 
@@ -2191,10 +2236,58 @@ static int yci_lu_step(yc_lu *lu, int begin, int end) {
         if (!(inverse <= DBL_MAX && inverse >= -DBL_MAX)) lu->plain = 1;
         lu->inverse[begin + j] = inverse;
     }
-    items = (begin + YCI_LU_STRIP - 1) / YCI_LU_STRIP + (rows - size + YCI_LU_STRIP - 1) / YCI_LU_STRIP;
+    items = (begin + YCI_LU_LEFT - 1) / YCI_LU_LEFT + (rows - size + YCI_LU_STRIP - 1) / YCI_LU_STRIP;
     yci_parallel(&lu->context, items, 1, yci_lu_update, &block);
     for (j = begin; j < end; j++) lu->pivot[j] += begin;
     return -1;
+}
+
+#ifdef YC_USE_LAPACK
+#ifdef __cplusplus
+extern "C" {
+#endif
+void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *pivot, int *info);
+void dgetrs_(const char *transposed, const int *n, const int *count, const double *a, const int *lda, const int *pivot,
+    double *x, const int *ldx, int *info);
+#ifdef __cplusplus
+}
+#endif
+
+/* A is turned round, tile by tile, since LAPACK factors by columns. Returns the column without a pivot, or -1. */
+static int yci_lu_lapack(yc_lu *lu) {
+    double tile[YCI_PANEL * YCI_PANEL];
+    int i, j, k, ld = (int)lu->ld, info = 0;
+    for (i = 0; i < lu->rows; i += YCI_PANEL)
+        for (j = 0; j <= i; j += YCI_PANEL) {
+            double *lower = lu->f + (size_t)i * lu->ld + j, *upper = lu->f + (size_t)j * lu->ld + i;
+            lu->kernels->transpose(YCI_PANEL, YCI_PANEL, lower, lu->ld, tile, YCI_PANEL);
+            if (i != j) lu->kernels->transpose(YCI_PANEL, YCI_PANEL, upper, lu->ld, lower, lu->ld);
+            for (k = 0; k < YCI_PANEL; k++)
+                memcpy(upper + (size_t)k * lu->ld, tile + YCI_PANEL * k, YCI_PANEL * sizeof(double));
+        }
+    if (lu->n) dgetrf_(&lu->n, &lu->n, lu->f, &ld, lu->pivot, &info);
+    return info > 0 ? info - 1 : -1;
+}
+
+/* Leaves no right-hand sides to solve for. */
+static void yci_lu_lapack_solve(const yc_lu *lu, const char *transposed, double *x, int *count, int ldx) {
+    int ld = (int)lu->ld, info;
+    if (lu->n && *count) dgetrs_(transposed, &lu->n, count, lu->f, &ld, lu->pivot, x, &ldx, &info);
+    *count = 0;
+}
+#endif
+
+/* Factors A in f. Returns the column without a pivot, or -1. */
+static int yci_lu_all(yc_lu *lu) {
+    int begin, end, bad = -1, block = yci_lu_block(lu->rows);
+#ifdef YC_USE_LAPACK
+    return yci_lu_lapack(lu);
+#endif
+    for (begin = 0; begin < lu->n && bad < 0; begin = end) {
+        end = lu->n - begin < block ? lu->n : begin + block;
+        bad = yci_lu_step(lu, begin, end);
+    }
+    return bad;
 }
 
 static yc_result yci_lu_not_finite(yc_lu *lu, const double *a, int lda) {
@@ -2210,25 +2303,19 @@ static yc_result yci_lu_not_finite(yc_lu *lu, const double *a, int lda) {
 
 YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
     double largest, norm = 0.0;
-    int i, begin, end, block;
+    int i, bad;
     if (!lu) return YC_ERROR_ARGUMENT;
     if (lu->n && !a) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a is NULL");
     if (lda < lu->n) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: lda is %d, n is %d", lda, lu->n);
     memset(lu->work, 0, (size_t)lu->rows * sizeof(double));
     largest = lu->kernels->sizes(lu->n, lu->n, a, (size_t)lda, lu->work);
-    for (i = 0; i < lu->n; i++)
-        if (!(lu->work[i] <= norm)) norm = lu->work[i]; /* what is not a number stays */
+    for (i = 0; i < lu->n && norm <= DBL_MAX; i++) norm = lu->work[i] <= norm ? norm : lu->work[i];
     if (!(norm <= DBL_MAX) && yci_lu_not_finite(lu, a, lda) != YC_OK) return YC_ERROR_ARGUMENT;
     lu->factored = lu->plain = 0, lu->norm = norm, lu->largest = largest;
     for (i = 0; i < lu->n; i++)
         memcpy(lu->f + (size_t)i * lu->ld, a + (size_t)i * (size_t)lda, (size_t)lu->n * sizeof(double));
-    block = yci_lu_block(lu->rows);
-    for (begin = 0; begin < lu->n; begin = end) {
-        int bad;
-        end = lu->n - begin < block ? lu->n : begin + block;
-        bad = yci_lu_step(lu, begin, end);
-        if (bad >= 0) return YCI_FAIL(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
-    }
+    bad = yci_lu_all(lu);
+    if (bad >= 0) return YCI_FAIL(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
     lu->factored = 1;
     return YC_OK;
 }
@@ -2262,6 +2349,9 @@ static void yci_lu_exchange(const yc_lu *lu, int i, double *x) {
 /* x := inverse(A) x, YCI_RIGHT at a time so that the factor is read once for them. */
 static void yci_lu_solve_all(const yc_lu *lu, double *x, int count, int ldx) {
     int i, k, some;
+#ifdef YC_USE_LAPACK
+    yci_lu_lapack_solve(lu, "N", x, &count, ldx);
+#endif
     for (; count > 0; count -= some, x += (size_t)some * (size_t)ldx) {
         some = count < YCI_RIGHT ? count : YCI_RIGHT;
         for (k = 0; k < some; k++) {
@@ -2275,6 +2365,9 @@ static void yci_lu_solve_all(const yc_lu *lu, double *x, int count, int ldx) {
 /* x := inverse(A') x = P' inverse(L') inverse(U') x. */
 static void yci_lu_solve_all_transposed(const yc_lu *lu, double *x, int count, int ldx) {
     int i, k, some;
+#ifdef YC_USE_LAPACK
+    yci_lu_lapack_solve(lu, "T", x, &count, ldx);
+#endif
     for (; count > 0; count -= some, x += (size_t)some * (size_t)ldx) {
         some = count < YCI_RIGHT ? count : YCI_RIGHT;
         if (!lu->plain) lu->kernels->solve_transposed(lu->n, lu->f, lu->ld, lu->inverse, x, (size_t)ldx, some);
@@ -2295,6 +2388,20 @@ YC_API yc_result yc_lu_solve_transposed(const yc_lu *lu, double *x, int count, i
     if (!lu || !lu->factored || count < 0 || ldx < lu->n || (count && lu->n && !x)) return YC_ERROR_ARGUMENT;
     yci_lu_solve_all_transposed(lu, x, count, ldx);
     return YC_OK;
+}
+
+YC_API double yc_lu_growth(const yc_lu *lu) {
+    double most = 0.0;
+    int i, j;
+    if (!lu || !lu->factored) return 0.0;
+#ifdef YC_USE_LAPACK /* its factor lies by columns */
+    for (i = 0; i < lu->n; i++)
+        for (j = 0; j <= i; j++) most = yci_max(most, fabs(lu->f[(size_t)i * lu->ld + (size_t)j]));
+#else
+    for (i = 0; i < lu->n; i++)
+        for (j = i; j < lu->n; j++) most = yci_max(most, fabs(lu->f[(size_t)i * lu->ld + (size_t)j]));
+#endif
+    return lu->n ? most / lu->largest : 1.0;
 }
 
 static double yci_dense_norm1(int n, const double *x) {
