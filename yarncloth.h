@@ -69,7 +69,8 @@
  * runs host.parallel_for. Results are the same bits for any number of workers, in one build on one machine.
  *
  * MACROS. YARNCLOTH_IMPLEMENTATION as above; YC_API in front of public functions (extern by default; define it as
- * static for a private copy). Do not compile with -ffast-math: the file refuses it.
+ * static for a private copy). YC_USE_LAPACK: yc_lu_factor and yc_lu_solve call dgetrf_ and dgetrs_ (32-bit integers)
+ * of a LAPACK that you link. Do not compile with -ffast-math: the file refuses it.
  *
  * CONTENTS. Search for the tag. Declarations first, complete with their documentation; stop reading where they end
  * if you only want to use the library. A chapter of the implementation calls only chapters above it.
@@ -184,6 +185,10 @@ YC_API yc_result yc_lu_solve_transposed(const yc_lu *lu, double *x, int count, i
  * perfect, below 1e-15 solutions mean nothing. Costs a few solves. 0 when there is no factor. Uses the object's
  * workspace, so one thread at a time. */
 YC_API double yc_lu_rcond(const yc_lu *lu);
+
+/* The growth of the elimination, largest |U| / largest |A|: usually below 10 or so. Rounding errors of solutions are
+ * those of an A changed by about growth * 1e-16 of its largest entry. Reads U once; 0 when there is no factor. */
+YC_API double yc_lu_growth(const yc_lu *lu);
 
 /* Why the last yc_lu_factor failed, in words; never NULL. Valid until the next call with this object. */
 YC_API const char *yc_lu_message(const yc_lu *lu);
@@ -979,8 +984,11 @@ YC_FN double yci_angle_difference(double a, double b) {
  * Promises: each entry of a result is summed in one order, whatever the number of workers.
  * ===================================================================================================================== */
 
-#define YCI_BLOCK_MAX 8                          /* rows of the largest node block */
-#define YCI_LU_PANEL 32                          /* columns of a panel of LU */
+#define YCI_BLOCK_MAX 8 /* rows of the largest node block */
+#define YCI_LU_PANEL 32 /* columns of a panel of the sparse factorisation */
+#define YCI_LU_BLOCK 128
+#define YCI_LU_LEFT 480
+#define YCI_LU_STRIP 24                          /* columns that LU updates together */
 #define YCI_PIVOT_TOLERANCE (64.0 * DBL_EPSILON) /* a pivot this small against what it came from is rounding error */
 
 /* y -= A x and y -= A'x for a row-major block of m x n. The 3x3 case is most of the calls. */
@@ -1197,16 +1205,35 @@ typedef struct yci_kernels {
 
     void (*expand)(const yci_expansion *e);
 
-    /* Z -= A T and T -= A' Z: A is m x n with n <= YCI_PANEL, Z is m x count with count <= YCI_RIGHT, T is n x count
-     * with leading dimension YCI_PANEL. Z has room for YCI_OVERREAD more rows, which `below` overwrites and in which
-     * `above` must find zeros. */
-    void (*below)(int m, int n, const double *a, size_t lda, const double *t, double *z, size_t ldz, int count);
-    void (*above)(int m, int n, const double *a, size_t lda, double *t, const double *z, size_t ldz, int count);
-
     /* Solves with one front of a sparse factor, in place on y: `count` arrays, at most YCI_RIGHT, of ldy numbers. `z` is
      * work for the backward solve, ldz >= height + YCI_OVERREAD. */
     void (*forward)(const yci_trapezoid *s, double *y, size_t ldy, int count);
     void (*backward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
+    /* For LU. Sums of |A|'s columns are added to `sums`, in whole vectors; returns the largest |a[i * lda + j]|. A is
+     * the only operand that ends where it ends. */
+    double (*sizes)(int m, int n, const double *a, size_t lda, double *sums);
+
+    /* B = A', m and n being multiples of YCI_PANEL. */
+    void (*transpose)(int m, int n, const double *a, size_t lda, double *b, size_t ldb);
+
+    /* Factors the m x n panel A, n <= YCI_PANEL, with partial pivoting: L below the diagonal, U in its first rows. Step
+     * j exchanges rows j and pivot[j]. A has YCI_PANEL columns and whole vectors of rows, zero where there is nothing.
+     * Returns n, or the column that has no pivot. */
+    int (*pivots)(int m, int n, double *a, size_t lda, int *pivot);
+
+    /* Exchanges the rows k and pivot[k], each n numbers at a + row * lda, for k = 0 to count - 1. */
+    void (*exchange)(int count, const int *pivot, int n, double *a, size_t lda);
+
+    /* C -= A B' for m <= YCI_LU_STRIP, in whole vectors, and many rows n of B, multiples of YCI_PANEL. */
+    void (*update)(
+        int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc);
+
+    /* X := inverse(L U) X, or of its transpose, for count <= YCI_RIGHT. The factor lies by rows at f, its corners of
+     * YCI_PANEL rows also by columns at `corner`; inverse: one over U's diagonal. */
+    void (*solve)(int n, const double *f, size_t ld, const double *corner, const double *inverse, double *x, size_t ldx,
+        int count);
+    void (*solve_transposed)(
+        int n, const double *f, size_t ld, const double *inverse, double *x, size_t ldx, int count);
 } yci_kernels;
 
 /* Columns of the whole nodes, the first with dim[0] unknowns, that make up the next panel of at most n columns. */
@@ -1277,7 +1304,11 @@ static void yci_corner_backward(int n, const unsigned char *dim, const double *w
 #define YCI_ISA 0
 #endif /* of what is read once */
 
-#ifdef YCI_ISA /* ---- read once per instruction set, until the line that says so ---- */
+#ifdef YCI_ISA   /* ---- read once per instruction set, until the line that says so ---- */
+#ifdef __clang__ /* where it cannot unroll, it need not say so */
+#pragma clang diagnostic push
+#pragma clang diagnostic ignored "-Wpass-failed"
+#endif
 
 /* V: V_W doubles. A tile of V_TILE_V vectors by V_TILE_N columns stays in registers beside its operands; so does a
  * strip of V_STRIP_V vectors by YCI_PANEL columns. V_STORE_PART stores the first n numbers, 1 <= n <= V_W. */
@@ -1298,9 +1329,21 @@ static void yci_corner_backward(int n, const unsigned char *dim, const double *w
 #define V_MUL(a, b) _mm512_mul_pd(a, b)
 #define V_FMA(a, b, c) _mm512_fmadd_pd(a, b, c)
 #define V_FNMA(a, b, c) _mm512_fnmadd_pd(a, b, c)
+#define V_ALL_ROWS 4
+#define V_COUNT _mm512_setr_pd(0, 1, 2, 3, 4, 5, 6, 7)
+#define V_LOAD_PART(p, n) _mm512_maskz_loadu_pd((__mmask8)((1u << (n)) - 1u), p)
+#define V_ABS(a) _mm512_abs_pd(a)
+#define V_MAX(a, b) _mm512_max_pd(a, b)
+#define V_PICK(a, b, x, y) _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_GT_OQ), y, x)
+#define V_LANE(a, i) _mm512_permutexvar_pd(_mm512_set1_epi64(i), a)
+#define V_PUT(p, i, x) yci_put_avx512(p, i, x)
+/* A whole vector is stored, for the loads behind it. */
+YCI_TARGET static inline void yci_put_avx512(double *p, int i, V x) {
+    double *at = p + (i & ~7);
+    _mm512_storeu_pd(at, _mm512_mask_mov_pd(_mm512_loadu_pd(at), (__mmask8)(1u << (i & 7)), x));
+}
 #define V_EXPAND(p, bits) _mm512_maskz_expand_pd((__mmask8)(bits), _mm512_loadu_pd(p))
 #define V_FNMA1(a, b, c) __builtin_fma(-(a), b, c)
-#define V_PREFETCH(p) __builtin_prefetch(p)
 #elif YCI_ISA == 256
 #define YCI_(name) name##_avx2
 #define YCI_TARGET __attribute__((target("avx2,fma")))
@@ -1319,7 +1362,14 @@ static void yci_corner_backward(int n, const unsigned char *dim, const double *w
 #define V_FMA(a, b, c) _mm256_fmadd_pd(a, b, c)
 #define V_FNMA(a, b, c) _mm256_fnmadd_pd(a, b, c)
 #define V_FNMA1(a, b, c) __builtin_fma(-(a), b, c)
-#define V_PREFETCH(p) __builtin_prefetch(p)
+#define V_ALL_ROWS 2
+#define V_COUNT _mm256_setr_pd(0, 1, 2, 3)
+#define V_LOAD_PART(p, n) _mm256_maskload_pd(p, yci_first_lanes_avx2(n))
+#define V_ABS(a) _mm256_andnot_pd(_mm256_set1_pd(-0.0), a)
+#define V_MAX(a, b) _mm256_max_pd(a, b)
+#define V_PICK(a, b, x, y) _mm256_blendv_pd(y, x, _mm256_cmp_pd(a, b, _CMP_GT_OQ))
+#define V_LANE(a, i) _mm256_set1_pd((a)[i])
+#define V_PUT(p, i, x) _mm_store_sd((p) + (i), _mm256_castpd256_pd128(x))
 YCI_TARGET static inline __m256i yci_first_lanes_avx2(int n) {
     return _mm256_cmpgt_epi64(_mm256_set1_epi64x(n), _mm256_setr_epi64x(0, 1, 2, 3));
 }
@@ -1335,7 +1385,8 @@ YCI_TARGET static inline __m256i yci_first_lanes_avx2(int n) {
 #define V_FMA(a, b, c) ((c) + (a) * (b))
 #define V_FNMA(a, b, c) ((c) - (a) * (b))
 #define V_FNMA1(a, b, c) ((c) - (a) * (b))
-#define V_PREFETCH(p) ((void)(p))
+#define V_ALL_ROWS 1
+#define V_MAX(a, b) V_PICK(a, b, a, b)
 #ifdef YCI_GNU
 #define V yci_two
 #define V_W 2
@@ -1350,9 +1401,29 @@ static inline void yci_two_store_part(double *p, yci_two x, int n) {
     if (n > 1) p[1] = x[1];
 }
 #define V_SET(x) yci_two_set(x)
-#define V_LOAD(p) (*(const yci_unaligned_two *)(p))
+#define V_LOAD(p) ((yci_two)(*(const yci_unaligned_two *)(p)))
 #define V_STORE(p, x) (*(yci_unaligned_two *)(p) = (x))
 #define V_STORE_PART(p, x, n) yci_two_store_part(p, x, n)
+typedef long long yci_two_masks __attribute__((vector_size(16)));
+static inline yci_two yci_two_count(void) {
+    yci_two v = {0.0, 1.0};
+    return v;
+}
+static inline yci_two yci_two_load_part(const double *p, int n) {
+    yci_two v = {p[0], 0.0};
+    if (n > 1) v[1] = p[1];
+    return v;
+}
+static inline yci_two yci_two_pick(yci_two a, yci_two b, yci_two x, yci_two y) {
+    yci_two_masks where = (yci_two_masks)(a > b);
+    return (yci_two)(((yci_two_masks)x & where) | ((yci_two_masks)y & ~where));
+}
+#define V_COUNT yci_two_count()
+#define V_LOAD_PART(p, n) yci_two_load_part(p, n)
+#define V_PICK(a, b, x, y) yci_two_pick(a, b, x, y)
+#define V_ABS(a) V_PICK(a, -(a), a, -(a))
+#define V_LANE(a, i) yci_two_set((a)[i])
+#define V_PUT(p, i, x) ((p)[i] = (x)[0])
 #else
 #define V double
 #define V_W 1
@@ -1360,7 +1431,19 @@ static inline void yci_two_store_part(double *p, yci_two x, int n) {
 #define V_LOAD(p) (*(p))
 #define V_STORE(p, x) (*(p) = (x))
 #define V_STORE_PART(p, x, n) ((void)(n), *(p) = (x))
+#define V_COUNT 0.0
+#define V_LOAD_PART(p, n) ((void)(n), *(p))
+#define V_PICK(a, b, x, y) ((a) > (b) ? (x) : (y))
+#define V_ABS(a) fabs(a)
+#define V_LANE(a, i) ((void)(i), (a))
+#define V_PUT(p, i, x) ((p)[i] = (x))
 #endif
+#endif
+
+#ifdef YCI_GNU
+#define V_PREFETCH(p) __builtin_prefetch(p, 0, 2)
+#else
+#define V_PREFETCH(p) ((void)0)
 #endif
 
 /* One tile of C: n <= columns of them exist; the last of its vectors has `last` rows. */
@@ -1492,97 +1575,6 @@ YCI_TARGET static void YCI_(yci_expand)(const yci_expansion *e) {
     }
 }
 
-YCI_TARGET YCI_INLINE void YCI_(yci_below_some)(
-    int m, int columns, int n, const double *a, size_t lda, const double *t, double *z, size_t ldz, int count) {
-    int i, j, r;
-    for (i = 0; i < m; i += V_W) {
-        V s[YCI_RIGHT];
-        YCI_UNROLL
-        for (r = 0; r < count; r++) s[r] = V_LOAD(z + (size_t)r * ldz + i);
-        if (columns) {
-            YCI_UNROLL
-            for (j = 0; j < columns; j++) {
-                V x = V_LOAD(a + (size_t)j * lda + i);
-                YCI_UNROLL
-                for (r = 0; r < count; r++) s[r] = V_FNMA(x, V_SET(t[YCI_PANEL * r + j]), s[r]);
-            }
-        } else
-            for (j = 0; j < n; j++) {
-                V x = V_LOAD(a + (size_t)j * lda + i);
-                YCI_UNROLL
-                for (r = 0; r < count; r++) s[r] = V_FNMA(x, V_SET(t[YCI_PANEL * r + j]), s[r]);
-            }
-        YCI_UNROLL
-        for (r = 0; r < count; r++) V_STORE(z + (size_t)r * ldz + i, s[r]);
-    }
-}
-
-YCI_TARGET static void YCI_(yci_below)(
-    int m, int n, const double *a, size_t lda, const double *t, double *z, size_t ldz, int count) {
-    int columns = n == YCI_PANEL ? YCI_PANEL : 0;
-    if (count == 1 && columns) YCI_(yci_below_some)(m, YCI_PANEL, n, a, lda, t, z, ldz, 1);
-    else if (count == 1) YCI_(yci_below_some)(m, 0, n, a, lda, t, z, ldz, 1);
-    else if (count == 2) YCI_(yci_below_some)(m, 0, n, a, lda, t, z, ldz, 2);
-    else if (count == 3 && columns) YCI_(yci_below_some)(m, YCI_PANEL, n, a, lda, t, z, ldz, 3);
-    else if (count == 3) YCI_(yci_below_some)(m, 0, n, a, lda, t, z, ldz, 3);
-    else YCI_(yci_below_some)(m, 0, n, a, lda, t, z, ldz, 4);
-}
-
-/* t[j] -= the sum of s[j], for four vectors at once where that is cheaper than one after the other. */
-YCI_TARGET YCI_INLINE void YCI_(yci_above_store)(const V *s, int n, double *t) {
-    int j;
-#if YCI_ISA == 512
-    __m512d a = _mm512_add_pd(_mm512_unpacklo_pd(s[0], s[1]), _mm512_unpackhi_pd(s[0], s[1]));
-    __m512d b = _mm512_add_pd(_mm512_unpacklo_pd(s[2], s[3]), _mm512_unpackhi_pd(s[2], s[3]));
-    __m512d c = _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x44), _mm512_shuffle_f64x2(a, b, 0xee));
-    __m512d d = _mm512_add_pd(_mm512_shuffle_f64x2(c, c, 0xd8), _mm512_shuffle_f64x2(c, c, 0x8d));
-    double sum[8];
-    _mm512_storeu_pd(sum, d);
-    for (j = 0; j < n; j++) t[j] -= sum[j];
-#else
-    for (j = 0; j < n; j++) {
-        double lane[V_W], sum = 0.0;
-        int i;
-        V_STORE(lane, s[j]);
-        for (i = 0; i < V_W; i++) sum += lane[i];
-        t[j] -= sum;
-    }
-#endif
-}
-
-YCI_TARGET YCI_INLINE void YCI_(yci_above_some)(
-    int m, int n, const double *a, size_t lda, double *t, const double *z, size_t ldz, int count) {
-    V s[YCI_RIGHT][4];
-    int i, j, r;
-    YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_UNROLL
-    for (j = 0; j < 4; j++) s[r][j] = V_SET(0.0);
-    for (i = 0; i < m; i += V_W) {
-        V x[YCI_RIGHT];
-        YCI_UNROLL
-        for (r = 0; r < count; r++) x[r] = V_LOAD(z + (size_t)r * ldz + i);
-        YCI_UNROLL
-        for (j = 0; j < 4; j++) {
-            V y = V_LOAD(a + (size_t)(j < n ? j : 0) * lda + i);
-            YCI_UNROLL
-            for (r = 0; r < count; r++) s[r][j] = V_FMA(x[r], y, s[r][j]);
-        }
-    }
-    YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_(yci_above_store)(s[r], n, t + YCI_PANEL * r);
-}
-
-YCI_TARGET static void YCI_(yci_above)(
-    int m, int n, const double *a, size_t lda, double *t, const double *z, size_t ldz, int count) {
-    for (; n > 0; n -= 4, a += 4 * lda, t += 4) {
-        int some = n < 4 ? n : 4;
-        if (count == 1) YCI_(yci_above_some)(m, some, a, lda, t, z, ldz, 1);
-        else if (count == 2) YCI_(yci_above_some)(m, some, a, lda, t, z, ldz, 2);
-        else if (count == 3) YCI_(yci_above_some)(m, some, a, lda, t, z, ldz, 3);
-        else YCI_(yci_above_some)(m, some, a, lda, t, z, ldz, 4);
-    }
-}
-
 /* x := inverse(G) x and x := inverse(G') (x - s) for the diagonal block of a panel, x and s of count arrays. */
 YCI_TARGET YCI_INLINE void YCI_(yci_triangle_forward)(
     int n, const double *g, size_t ld, double *x, size_t ldx, int count) {
@@ -1709,7 +1701,7 @@ YCI_TARGET static void YCI_(yci_forward)(const yci_trapezoid *s, double *y, size
 }
 
 /* The sums over the lanes of four vectors. */
-YCI_TARGET YCI_INLINE void YCI_(yci_sums)(const V *s, double *sum) {
+YCI_TARGET YCI_INLINE void YCI_(yci_sums_of_four)(const V *s, double *sum) {
 #if YCI_ISA == 512
     __m512d a = _mm512_add_pd(_mm512_unpacklo_pd(s[0], s[1]), _mm512_unpackhi_pd(s[0], s[1]));
     __m512d b = _mm512_add_pd(_mm512_unpacklo_pd(s[2], s[3]), _mm512_unpackhi_pd(s[2], s[3]));
@@ -1752,7 +1744,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_columns)(
         }
     }
     YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_(yci_sums)(s[r], sum + YCI_PANEL * r);
+    for (r = 0; r < count; r++) YCI_(yci_sums_of_four)(s[r], sum + YCI_PANEL * r);
 }
 
 YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
@@ -1801,10 +1793,403 @@ YCI_TARGET static void YCI_(yci_backward)(
     else YCI_(yci_backward_some)(s, y, ldy, 4, z, ldz);
 }
 
+/* ---- LU ---- */
+
+YCI_TARGET static double YCI_(yci_sizes)(int m, int n, const double *a, size_t lda, double *sums) {
+    V most = V_SET(0.0);
+    double lane[V_W], largest = 0.0;
+    int i, j, k;
+    for (i = 0; i < m; i += 4, a += 4 * lda)
+        for (j = 0; j < n; j += V_W) {
+            V sum = V_LOAD(sums + j);
+            YCI_UNROLL
+            for (k = 0; k < 4; k++)
+                if (i + k < m) {
+                    const double *at = a + (size_t)k * lda + j;
+                    V x = V_ABS(n - j < V_W ? V_LOAD_PART(at, n - j) : V_LOAD(at));
+                    sum = V_ADD(sum, x), most = V_MAX(x, most);
+                }
+            V_STORE(sums + j, sum);
+        }
+    V_STORE(lane, most);
+    for (i = 0; i < V_W; i++) largest = yci_max(largest, lane[i]);
+    return largest;
+}
+
+YCI_TARGET static void YCI_(yci_transpose)(int m, int n, const double *a, size_t lda, double *b, size_t ldb) {
+    int i, j, p, q;
+    for (i = 0; i < m; i += 8)
+        for (j = 0; j < n; j += 8) {
+            const double *from = a + (size_t)i * lda + j;
+            double *to = b + (size_t)j * ldb + i;
+#if YCI_ISA == 512
+            V x[8], y[8];
+            YCI_UNROLL
+            for (p = 0; p < 8; p++) x[p] = V_LOAD(from + (size_t)p * lda);
+            YCI_UNROLL
+            for (p = 0; p < 8; p += 2) {
+                y[p] = _mm512_unpacklo_pd(x[p], x[p + 1]);
+                y[p + 1] = _mm512_unpackhi_pd(x[p], x[p + 1]);
+            }
+            YCI_UNROLL
+            for (q = 0; q < 2; q++) {
+                x[q] = _mm512_shuffle_f64x2(y[q], y[q + 2], 0x88);
+                x[q + 2] = _mm512_shuffle_f64x2(y[q], y[q + 2], 0xdd);
+                x[q + 4] = _mm512_shuffle_f64x2(y[q + 4], y[q + 6], 0x88);
+                x[q + 6] = _mm512_shuffle_f64x2(y[q + 4], y[q + 6], 0xdd);
+            }
+            YCI_UNROLL
+            for (q = 0; q < 4; q++) {
+                V_STORE(to + (size_t)q * ldb, _mm512_shuffle_f64x2(x[q], x[q + 4], 0x88));
+                V_STORE(to + (size_t)(q + 4) * ldb, _mm512_shuffle_f64x2(x[q], x[q + 4], 0xdd));
+            }
+#else
+            for (p = 0; p < 8; p++)
+                for (q = 0; q < 8; q++) (to + p)[(size_t)q * ldb] = (from + q)[(size_t)p * lda];
+#endif
+        }
+}
+
+/* The search for a pivot: the largest so far of each lane, and its row. */
+typedef struct {
+    V most, row;
+} YCI_(yci_search);
+
+YCI_TARGET YCI_INLINE void YCI_(yci_look)(YCI_(yci_search) * s, V x, V at) {
+    s->row = V_PICK(x, s->most, at, s->row);
+    s->most = V_PICK(x, s->most, x, s->most);
+}
+
+YCI_TARGET YCI_INLINE double YCI_(yci_found)(const YCI_(yci_search) * s, int *row) {
+#if YCI_ISA == 512
+    double most = _mm512_reduce_max_pd(s->most);
+    __mmask8 where = _mm512_cmp_pd_mask(s->most, _mm512_set1_pd(most), _CMP_EQ_OQ);
+    *row = (int)_mm512_cvtsd_f64(_mm512_maskz_compress_pd(where, s->row));
+    return most;
+#else
+    double most[V_W], at[V_W];
+    int i, best = 0;
+    V_STORE(most, s->most);
+    V_STORE(at, s->row);
+    for (i = 1; i < V_W; i++)
+        if (most[i] > most[best]) best = i;
+    *row = (int)at[best];
+    return most[best];
+#endif
+}
+
+/* Rows at, at + 1, ... of step j: the column is scaled, the columns behind it are updated and the first of them is
+ * searched. In the first YCI_PANEL rows those up to j stay as they are. */
+YCI_TARGET YCI_INLINE void YCI_(yci_eliminate)(
+    int j, int top, double *a, size_t lda, V inverse, const V *u, V at, YCI_(yci_search) * search) {
+    V x = V_LOAD(a + (size_t)j * lda), l = V_MUL(x, inverse), zero = V_SET(0.0), last = V_SET((double)j);
+    int q;
+    V_STORE(a + (size_t)j * lda, top ? V_PICK(at, last, l, x) : l);
+    if (top) l = V_PICK(at, last, l, zero);
+    YCI_UNROLL
+    for (q = j + 1; q < YCI_PANEL; q++) {
+        x = V_FNMA(l, u[q], V_LOAD(a + (size_t)q * lda));
+        V_STORE(a + (size_t)q * lda, x);
+        if (q == j + 1) YCI_(yci_look)(search, top ? V_PICK(at, last, V_ABS(x), zero) : V_ABS(x), at);
+    }
+}
+
+/* Step j of a panel; 0 when there is no pivot. `search` has looked at column j and then looks at the next. */
+YCI_TARGET YCI_INLINE int YCI_(yci_pivot)(int j, int m, double *a, size_t lda, int *pivot, YCI_(yci_search) * search) {
+    double most, inverse, *column = a + (size_t)j * lda;
+    V u[YCI_PANEL], at = V_COUNT, step = V_SET((double)V_W), scale;
+    int i, q, row;
+    most = YCI_(yci_found)(search, &row);
+    if (!(most > 0.0 && most <= DBL_MAX)) return 0;
+    pivot[j] = row;
+    inverse = 1.0 / column[row];
+    YCI_UNROLL
+    for (q = 0; q < YCI_PANEL; q++) {
+        double *to = a + (size_t)q * lda;
+        V upper = V_SET(to[j]);
+        u[q] = V_SET(to[row]);
+        V_PUT(to, row, upper);
+        V_PUT(to, j, u[q]);
+    }
+    if (!(inverse <= DBL_MAX && inverse >= -DBL_MAX)) { /* the pivot is subnormal */
+        double value = column[j];
+        for (i = j + 1; i < m; i++) column[i] /= value;
+        inverse = 1.0;
+    }
+    scale = V_SET(inverse), search->most = V_SET(0.0), search->row = V_SET(0.0);
+    for (i = 0; i < YCI_PANEL; i += V_W, at = V_ADD(at, step))
+        YCI_(yci_eliminate)(j, 1, a + i, lda, scale, u, at, search);
+    for (; i < m; i += V_W, at = V_ADD(at, step)) YCI_(yci_eliminate)(j, 0, a + i, lda, scale, u, at, search);
+    return 1;
+}
+
+YCI_TARGET static int YCI_(yci_pivots)(int m, int n, double *a, size_t lda, int *pivot) {
+    YCI_(yci_search) search = {V_SET(0.0), V_SET(0.0)};
+    V at = V_COUNT;
+    int i;
+    for (i = 0; i < m; i += V_W, at = V_ADD(at, V_SET((double)V_W))) YCI_(yci_look)(&search, V_ABS(V_LOAD(a + i)), at);
+#define YCI_STEP(j) \
+    if (n > (j) && !YCI_(yci_pivot)(j, m, a, lda, pivot, &search)) return (j)
+    YCI_STEP(0);
+    YCI_STEP(1);
+    YCI_STEP(2);
+    YCI_STEP(3);
+    YCI_STEP(4);
+    YCI_STEP(5);
+    YCI_STEP(6);
+    YCI_STEP(7);
+#undef YCI_STEP
+    return n;
+}
+
+YCI_TARGET static void YCI_(yci_exchange)(int count, const int *pivot, int n, double *a, size_t lda) {
+    int i, k;
+    for (k = 0; k < count; k++) {
+        double *x = a + (size_t)k * lda, *y = a + (size_t)pivot[k] * lda;
+        if (k + YCI_PANEL < count)
+            for (i = 0; i < n; i += 8) V_PREFETCH(a + (size_t)pivot[k + YCI_PANEL] * lda + i);
+        if (x == y) continue;
+        for (i = 0; i < n; i += V_W) {
+            V upper = V_LOAD(x + i), lower = V_LOAD(y + i);
+            V_STORE(x + i, lower);
+            V_STORE(y + i, upper);
+        }
+    }
+}
+
+/* The tile of the next rows is fetched meanwhile: they lie far apart, where no processor foresees them. */
+YCI_TARGET static void YCI_(yci_update)(
+    int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc) {
+    int i, j, p;
+    for (j = 0; j < n; j += V_TILE_N, c += V_TILE_N * ldc) {
+        for (p = V_TILE_N; p < 2 * V_TILE_N; p++)
+            for (i = 0; i < m; i += 8) V_PREFETCH(c + (size_t)p * ldc + i);
+        for (i = 0; i < m; i += V_TILE_V * V_W) {
+            int vectors = (m - i) / V_W;
+            if (vectors == 1) YCI_(yci_tile)(1, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
+            else if (vectors == 2) YCI_(yci_tile)(2, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
+            else YCI_(yci_tile)(V_TILE_V, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
+        }
+    }
+}
+
+/* The sums of V_W vectors in the lanes of one. */
+YCI_TARGET YCI_INLINE V YCI_(yci_sums)(const V *s) {
+#if YCI_ISA == 512
+    __m512d a = _mm512_add_pd(_mm512_unpacklo_pd(s[0], s[1]), _mm512_unpackhi_pd(s[0], s[1]));
+    __m512d b = _mm512_add_pd(_mm512_unpacklo_pd(s[2], s[3]), _mm512_unpackhi_pd(s[2], s[3]));
+    __m512d c = _mm512_add_pd(_mm512_unpacklo_pd(s[4], s[5]), _mm512_unpackhi_pd(s[4], s[5]));
+    __m512d d = _mm512_add_pd(_mm512_unpacklo_pd(s[6], s[7]), _mm512_unpackhi_pd(s[6], s[7]));
+    a = _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x88), _mm512_shuffle_f64x2(a, b, 0xdd));
+    c = _mm512_add_pd(_mm512_shuffle_f64x2(c, d, 0x88), _mm512_shuffle_f64x2(c, d, 0xdd));
+    return _mm512_add_pd(_mm512_shuffle_f64x2(a, c, 0x88), _mm512_shuffle_f64x2(a, c, 0xdd));
+#elif YCI_ISA == 256
+    __m256d a = _mm256_add_pd(_mm256_unpacklo_pd(s[0], s[1]), _mm256_unpackhi_pd(s[0], s[1]));
+    __m256d b = _mm256_add_pd(_mm256_unpacklo_pd(s[2], s[3]), _mm256_unpackhi_pd(s[2], s[3]));
+    return _mm256_add_pd(_mm256_permute2f128_pd(a, b, 0x20), _mm256_permute2f128_pd(a, b, 0x31));
+#else
+    double lane[V_W], sum[V_W];
+    int i, j;
+    for (j = 0; j < V_W; j++) {
+        V_STORE(lane, s[j]);
+        for (sum[j] = lane[0], i = 1; i < V_W; i++) sum[j] += lane[i];
+    }
+    return V_LOAD(sum);
+#endif
+}
+
+#define V_PANEL (YCI_PANEL / V_W) /* vectors of a panel's rows */
+
+/* T -= A X for rows `first` to first + some - 1 of A, which lie at multiples of lda and have m numbers. */
+YCI_TARGET YCI_INLINE void YCI_(yci_dots_some)(int first, int some, int m, const double *a, size_t lda, ptrdiff_t ahead,
+    V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
+    V s[YCI_RIGHT][YCI_PANEL];
+    int i, j, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (j = 0; j < YCI_PANEL; j++) s[r][j] = V_SET(0.0);
+    for (i = 0; i + V_W <= m; i += V_W) {
+        V y[YCI_RIGHT];
+        YCI_UNROLL
+        for (r = 0; r < count; r++) y[r] = V_LOAD(x + (size_t)r * ldx + i);
+        YCI_UNROLL
+        for (j = first; j < first + some; j++) {
+            const double *row = a + (size_t)j * lda + i;
+            V z = V_LOAD(row);
+            V_PREFETCH(row + ahead);
+            YCI_UNROLL
+            for (r = 0; r < count; r++) s[r][j] = V_FMA(z, y[r], s[r][j]);
+        }
+    }
+    if (i < m) {
+        YCI_UNROLL
+        for (r = 0; r < count; r++) {
+            V y = V_LOAD_PART(x + (size_t)r * ldx + i, m - i);
+            YCI_UNROLL
+            for (j = first; j < first + some; j++) s[r][j] = V_FMA(V_LOAD(a + (size_t)j * lda + i), y, s[r][j]);
+        }
+    }
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (j = 0; j < V_PANEL; j++)
+        if (some == YCI_PANEL || V_W > some || (j * V_W >= first && j * V_W < first + some))
+            t[r][j] = V_SUB(t[r][j], YCI_(yci_sums)(s[r] + V_W * j));
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_dots)(
+    int m, const double *a, size_t lda, ptrdiff_t ahead, V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
+    if (m <= 0) return;
+    if (count < V_ALL_ROWS) YCI_(yci_dots_some)(0, YCI_PANEL, m, a, lda, ahead, t, x, ldx, count);
+    else {
+        YCI_(yci_dots_some)(0, YCI_PANEL / 2, m, a, lda, ahead, t, x, ldx, count);
+        YCI_(yci_dots_some)(YCI_PANEL / 2, YCI_PANEL / 2, m, a, lda, ahead, t, x, ldx, count);
+    }
+}
+
+/* T := inverse(C) T for the triangle of a corner whose column j is at c + j * ldc: below the diagonal, going down, or
+ * above it, going up. inverse: one over the diagonal, or NULL where that is one. */
+YCI_TARGET YCI_INLINE void YCI_(yci_corner)(
+    int up, const double *c, size_t ldc, const double *inverse, V (*t)[V_PANEL], int count) {
+    int step, r, v;
+    YCI_UNROLL
+    for (step = 0; step < YCI_PANEL; step++) {
+        int j = up ? YCI_PANEL - 1 - step : step;
+        V here = V_SET((double)j), column[V_PANEL];
+        YCI_UNROLL
+        for (v = 0; v < V_PANEL; v++) {
+            V at = V_ADD(V_COUNT, V_SET((double)(V_W * v))), x = V_LOAD(c + (size_t)j * ldc + V_W * v);
+            column[v] = up ? V_PICK(here, at, x, V_SET(0.0)) : V_PICK(at, here, x, V_SET(0.0));
+        }
+        YCI_UNROLL
+        for (r = 0; r < count; r++) {
+            V x = V_LANE(t[r][j / V_W], j % V_W);
+            if (inverse) x = V_MUL(x, V_SET(inverse[j]));
+            YCI_UNROLL
+            for (v = 0; v < V_PANEL; v++) t[r][v] = V_FNMA(column[v], x, t[r][v]);
+        }
+    }
+    if (inverse) {
+        YCI_UNROLL
+        for (r = 0; r < count; r++) YCI_UNROLL
+        for (v = 0; v < V_PANEL; v++) t[r][v] = V_MUL(t[r][v], V_LOAD(inverse + V_W * v));
+    }
+}
+
+/* T from and to rows of X of which n exist. */
+YCI_TARGET YCI_INLINE void YCI_(yci_fetch)(int n, const double *x, size_t ldx, V (*t)[V_PANEL], int count) {
+    int r, v;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (v = 0; v < V_PANEL; v++) {
+        const double *from = x + (size_t)r * ldx + V_W * v;
+        int left = n - V_W * v;
+        t[r][v] = left >= V_W ? V_LOAD(from) : left > 0 ? V_LOAD_PART(from, left) : V_SET(0.0);
+    }
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_deliver)(int n, V (*t)[V_PANEL], double *x, size_t ldx, int count) {
+    int r, v;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (v = 0; v < V_PANEL; v++) {
+        double *to = x + (size_t)r * ldx + V_W * v;
+        int left = n - V_W * v;
+        if (left >= V_W) V_STORE(to, t[r][v]);
+        else if (left > 0) V_STORE_PART(to, t[r][v], left);
+    }
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_solve_some)(
+    int n, const double *f, size_t ld, const double *corner, const double *inverse, double *x, size_t ldx, int count) {
+    ptrdiff_t group = (ptrdiff_t)(YCI_PANEL * ld);
+    V t[YCI_RIGHT][V_PANEL];
+    int i;
+    for (i = 0; i < n; i += YCI_PANEL) {
+        YCI_(yci_fetch)(n - i, x + i, ldx, t, count);
+        YCI_(yci_dots)(i, f + (size_t)i * ld, ld, group, t, x, ldx, count);
+        YCI_(yci_corner)(0, corner + YCI_PANEL * (size_t)i, YCI_PANEL, NULL, t, count);
+        YCI_(yci_deliver)(n - i, t, x + i, ldx, count);
+    }
+    for (i -= YCI_PANEL; i >= 0; i -= YCI_PANEL) {
+        int next = i + YCI_PANEL;
+        YCI_(yci_fetch)(n - i, x + i, ldx, t, count);
+        YCI_(yci_dots)(n - next, f + (size_t)i * ld + next, ld, -group, t, x + next, ldx, count);
+        YCI_(yci_corner)(1, corner + YCI_PANEL * (size_t)i, YCI_PANEL, inverse + i, t, count);
+        YCI_(yci_deliver)(n - i, t, x + i, ldx, count);
+    }
+}
+
+/* X -= A' T for YCI_PANEL rows of A with m numbers each. */
+YCI_TARGET YCI_INLINE void YCI_(yci_spread)(
+    int m, const double *a, size_t lda, V (*t)[V_PANEL], double *x, size_t ldx, int count) {
+    double lane[YCI_RIGHT][YCI_PANEL];
+    int i, j, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (j = 0; j < V_PANEL; j++) V_STORE(lane[r] + V_W * j, t[r][j]);
+    for (i = 0; i < m; i += V_W) {
+        V s[YCI_RIGHT];
+        YCI_UNROLL
+        for (r = 0; r < count; r++) {
+            const double *from = x + (size_t)r * ldx + i;
+            s[r] = m - i >= V_W ? V_LOAD(from) : V_LOAD_PART(from, m - i);
+        }
+        YCI_UNROLL
+        for (j = 0; j < YCI_PANEL; j++) {
+            V y = V_LOAD(a + (size_t)j * lda + i);
+            YCI_UNROLL
+            for (r = 0; r < count; r++) s[r] = V_FNMA(y, V_SET(lane[r][j]), s[r]);
+        }
+        YCI_UNROLL
+        for (r = 0; r < count; r++) {
+            double *to = x + (size_t)r * ldx + i;
+            if (m - i >= V_W) V_STORE(to, s[r]);
+            else V_STORE_PART(to, s[r], m - i);
+        }
+    }
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_solve_transposed_some)(
+    int n, const double *f, size_t ld, const double *inverse, double *x, size_t ldx, int count) {
+    V t[YCI_RIGHT][V_PANEL];
+    int i;
+    for (i = 0; i < n; i += YCI_PANEL) {
+        const double *corner = f + (size_t)i * ld + i;
+        YCI_(yci_fetch)(n - i, x + i, ldx, t, count);
+        YCI_(yci_corner)(0, corner, ld, inverse + i, t, count);
+        YCI_(yci_deliver)(n - i, t, x + i, ldx, count);
+        YCI_(yci_spread)(n - i - YCI_PANEL, corner + YCI_PANEL, ld, t, x + i + YCI_PANEL, ldx, count);
+    }
+    for (i -= YCI_PANEL; i >= 0; i -= YCI_PANEL) {
+        const double *row = f + (size_t)i * ld;
+        YCI_(yci_fetch)(n - i, x + i, ldx, t, count);
+        YCI_(yci_corner)(1, row + i, ld, NULL, t, count);
+        YCI_(yci_deliver)(n - i, t, x + i, ldx, count);
+        YCI_(yci_spread)(i, row, ld, t, x, ldx, count);
+    }
+}
+
+YCI_TARGET static void YCI_(yci_solve)(
+    int n, const double *f, size_t ld, const double *corner, const double *inverse, double *x, size_t ldx, int count) {
+    if (count == 1) YCI_(yci_solve_some)(n, f, ld, corner, inverse, x, ldx, 1);
+    else if (count == 2) YCI_(yci_solve_some)(n, f, ld, corner, inverse, x, ldx, 2);
+    else if (count == 3) YCI_(yci_solve_some)(n, f, ld, corner, inverse, x, ldx, 3);
+    else YCI_(yci_solve_some)(n, f, ld, corner, inverse, x, ldx, 4);
+}
+
+YCI_TARGET static void YCI_(yci_solve_transposed)(
+    int n, const double *f, size_t ld, const double *inverse, double *x, size_t ldx, int count) {
+    if (count == 1) YCI_(yci_solve_transposed_some)(n, f, ld, inverse, x, ldx, 1);
+    else if (count == 2) YCI_(yci_solve_transposed_some)(n, f, ld, inverse, x, ldx, 2);
+    else if (count == 3) YCI_(yci_solve_transposed_some)(n, f, ld, inverse, x, ldx, 3);
+    else YCI_(yci_solve_transposed_some)(n, f, ld, inverse, x, ldx, 4);
+}
+
 #define YCI_TEXT_(name) #name
 #define YCI_TEXT(name) YCI_TEXT_(name)
 static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
-    YCI_(yci_below), YCI_(yci_above), YCI_(yci_forward), YCI_(yci_backward)};
+    YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_sizes), YCI_(yci_transpose), YCI_(yci_pivots), YCI_(yci_exchange),
+    YCI_(yci_update), YCI_(yci_solve), YCI_(yci_solve_transposed)};
 
 #undef YCI_
 #undef YCI_TARGET
@@ -1828,6 +2213,18 @@ static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product
 #undef V_FNMA1
 #undef V_PREFETCH
 #undef YCI_CASES
+#undef V_ALL_ROWS
+#undef V_COUNT
+#undef V_LOAD_PART
+#undef V_ABS
+#undef V_MAX
+#undef V_PICK
+#undef V_LANE
+#undef V_PUT
+#undef V_PANEL
+#ifdef __clang__
+#pragma clang diagnostic pop
+#endif
 #endif /* ---- what is read once per instruction set ---- */
 
 #if defined(YCI_ISA) && YCI_ISA == 0 /* the rest is read once again */
@@ -1937,81 +2334,23 @@ static int yci_panel_indefinite(const yci_kernels *kernel, int m, int n, double 
     return -1;
 }
 
-/* y -= A x for a column-major A (m x n, leading dimension ld), four columns a pass; rows go in pairs so that a compiler
- * that does not vectorise loops of unknown length still pairs them. */
-static void yci_dense_subtract(int m, int n, const double *a, size_t ld, const double *x, double *y) {
-    int i, j;
-    for (j = 0; j + 4 <= n; j += 4) {
-        const double *a0 = a + (size_t)j * ld, *a1 = a0 + ld, *a2 = a1 + ld, *a3 = a2 + ld;
-        double x0 = x[j], x1 = x[j + 1], x2 = x[j + 2], x3 = x[j + 3];
-        for (i = 0; i + 2 <= m; i += 2) {
-            double s = a0[i] * x0 + a1[i] * x1 + a2[i] * x2 + a3[i] * x3;
-            double t = a0[i + 1] * x0 + a1[i + 1] * x1 + a2[i + 1] * x2 + a3[i + 1] * x3;
-            y[i] -= s, y[i + 1] -= t;
-        }
-        if (i < m) y[i] -= a0[i] * x0 + a1[i] * x1 + a2[i] * x2 + a3[i] * x3;
-    }
-    for (; j < n; j++) {
-        const double *a0 = a + (size_t)j * ld;
-        double x0 = x[j];
-        for (i = 0; i < m; i++) y[i] -= a0[i] * x0;
-    }
-}
-
-/* y -= A'x, four columns a pass. */
-static void yci_dense_subtract_transposed(int m, int n, const double *a, size_t ld, const double *x, double *y) {
-    int i, j;
-    for (j = 0; j + 4 <= n; j += 4) {
-        const double *a0 = a + (size_t)j * ld, *a1 = a0 + ld, *a2 = a1 + ld, *a3 = a2 + ld;
-        double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
-        for (i = 0; i < m; i++) s0 += a0[i] * x[i], s1 += a1[i] * x[i], s2 += a2[i] * x[i], s3 += a3[i] * x[i];
-        y[j] -= s0, y[j + 1] -= s1, y[j + 2] -= s2, y[j + 3] -= s3;
-    }
-    for (; j < n; j++) {
-        const double *a0 = a + (size_t)j * ld;
-        double sum = 0.0;
-        for (i = 0; i < m; i++) sum += a0[i] * x[i];
-        y[j] -= sum;
-    }
-}
-
-/* C -= A B for one tile of column-major C: a and b are packed groups of four rows of A and four columns of B, k steps
- * long. Sixteen named sums are what compilers keep in registers and vectorise even at their lowest level. */
-static void yci_dense_tile(int k, const double *a, const double *b, double *c, size_t ld, int rows, int columns) {
-    double c00 = 0, c01 = 0, c02 = 0, c03 = 0, c10 = 0, c11 = 0, c12 = 0, c13 = 0;
-    double c20 = 0, c21 = 0, c22 = 0, c23 = 0, c30 = 0, c31 = 0, c32 = 0, c33 = 0;
-    int p;
-    for (p = 0; p < k; p++, a += 4, b += 4) {
-        double a0 = a[0], a1 = a[1], a2 = a[2], a3 = a[3], b0 = b[0], b1 = b[1], b2 = b[2], b3 = b[3];
-        c00 += a0 * b0, c01 += a1 * b0, c02 += a2 * b0, c03 += a3 * b0;
-        c10 += a0 * b1, c11 += a1 * b1, c12 += a2 * b1, c13 += a3 * b1;
-        c20 += a0 * b2, c21 += a1 * b2, c22 += a2 * b2, c23 += a3 * b2;
-        c30 += a0 * b3, c31 += a1 * b3, c32 += a2 * b3, c33 += a3 * b3;
-    }
-    if (rows == 4 && columns == 4) {
-        c[0] -= c00, c[1] -= c01, c[2] -= c02, c[3] -= c03, c += ld;
-        c[0] -= c10, c[1] -= c11, c[2] -= c12, c[3] -= c13, c += ld;
-        c[0] -= c20, c[1] -= c21, c[2] -= c22, c[3] -= c23, c += ld;
-        c[0] -= c30, c[1] -= c31, c[2] -= c32, c[3] -= c33;
-    } else {
-        double sum[16];
-        int i, j;
-        sum[0] = c00, sum[1] = c01, sum[2] = c02, sum[3] = c03, sum[4] = c10, sum[5] = c11, sum[6] = c12, sum[7] = c13;
-        sum[8] = c20, sum[9] = c21, sum[10] = c22, sum[11] = c23;
-        sum[12] = c30, sum[13] = c31, sum[14] = c32, sum[15] = c33;
-        for (j = 0; j < columns; j++, c += ld)
-            for (i = 0; i < rows; i++) c[i] -= sum[4 * j + i];
-    }
-}
+/* Columns of a block of LU, which is factored by itself before the columns behind it are updated. */
+static int yci_lu_block(int n) { return n <= 128 ? 16 : n < 400 ? 32 : n < 1000 ? 64 : 128; }
 
 struct yc_lu {
     yci_context context;
-    int n, factored;
-    double *f;      /* n x n by columns: U on and above the diagonal, L (unit diagonal) below */
-    int *pivot;     /* row exchanged with row j at step j */
-    double *packed; /* a panel's rows below its diagonal, for tiles */
-    double *work;   /* 2 n, for the condition estimate */
-    double norm;    /* the 1-norm of A */
+    const yci_kernels *kernels;
+    int n, rows, factored, plain; /* n, and n in whole panels; a reciprocal overflows: solve with divisions */
+    size_t ld, ldw;
+    double *f;       /* the factor by rows: U on and above the diagonal, L (unit diagonal) below; zeros up to `rows` */
+    double *w;       /* a block by columns while it is factored */
+    double *u;       /* rows of U by rows, to update a part of a block */
+    double *corner;  /* the diagonal's 8 x 8 corners by columns */
+    double *inverse; /* one over U's diagonal */
+    double *work;    /* 2 * rows, for the scan and the condition estimate */
+    int *pivot;      /* row exchanged with row j at step j */
+    double norm;     /* the 1-norm of A */
+    double largest;  /* and its largest entry */
 };
 
 YC_API void yc_lu_destroy(yc_lu *lu) {
@@ -2019,10 +2358,31 @@ YC_API void yc_lu_destroy(yc_lu *lu) {
     if (!lu) return;
     c = lu->context;
     yci_free(&c, lu->f);
-    yci_free(&c, lu->pivot);
-    yci_free(&c, lu->packed);
+    yci_free(&c, lu->w);
+    yci_free(&c, lu->u);
+    yci_free(&c, lu->corner);
+    yci_free(&c, lu->inverse);
     yci_free(&c, lu->work);
+    yci_free(&c, lu->pivot);
     yci_free(&c, lu);
+}
+
+/* A leading dimension of at least n whole lines whose multiples do not meet in the same part of a cache. */
+static size_t yci_lu_stride(int rows) { return (size_t)rows + (rows % 64 == 0 ? YCI_PANEL : 0); }
+
+static int yci_lu_allocate(yc_lu *lu) {
+    yci_context *c = &lu->context;
+    int block = yci_lu_block(lu->rows);
+    size_t rows = (size_t)lu->rows;
+    lu->ld = lu->ldw = yci_lu_stride(lu->rows);
+    lu->f = (double *)yci_alloc(c, rows + 1, lu->ld * sizeof(double));
+    lu->w = (double *)yci_alloc(c, (size_t)block + 1, lu->ldw * sizeof(double));
+    lu->u = YCI_NEW(c, double, block *block / 4 + YCI_OVERREAD);
+    lu->corner = YCI_NEW(c, double, YCI_PANEL *rows);
+    lu->inverse = YCI_NEW(c, double, rows);
+    lu->work = YCI_NEW(c, double, 2 * rows + 1);
+    lu->pivot = YCI_NEW(c, int, lu->n);
+    return lu->f && lu->w && lu->u && lu->corner && lu->inverse && lu->work && lu->pivot;
 }
 
 YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
@@ -2031,15 +2391,13 @@ YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
     yc_result result = yci_context_init(&c, host);
     if (!out) return YC_ERROR_ARGUMENT;
     *out = NULL;
-    if (result == YC_OK && n < 0) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_lu_create: n is %d", n);
+    if (result == YC_OK && (n < 0 || n > INT_MAX - YCI_PANEL))
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_lu_create: n is %d", n);
     lu = result == YC_OK ? YCI_NEW(&c, yc_lu, 1) : NULL;
     if (lu) {
-        lu->context = c, lu->n = n;
-        lu->f = (double *)yci_alloc(&lu->context, (size_t)n, (size_t)n * sizeof(double));
-        lu->pivot = YCI_NEW(&lu->context, int, n);
-        lu->packed = YCI_NEW(&lu->context, double, ((size_t)n + 3) * YCI_LU_PANEL);
-        lu->work = YCI_NEW(&lu->context, double, 2 * (size_t)n);
-        if (lu->f && lu->pivot && lu->packed && lu->work) {
+        lu->context = c, lu->kernels = yci_kernels_best(), lu->n = n;
+        lu->rows = (n + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL;
+        if (yci_lu_allocate(lu)) {
             *out = lu;
             return YC_OK;
         }
@@ -2052,173 +2410,236 @@ YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
 
 YC_API const char *yc_lu_message(const yc_lu *lu) { return lu->context.message; }
 
-/* Factors columns [begin, end) over all their rows, exchanging rows within the panel only. Returns the column without
- * a pivot, or -1. */
-static int yci_lu_panel(yc_lu *lu, int begin, int end) {
-    size_t n = (size_t)lu->n;
-    int i, j, k;
-    for (j = begin; j < end; j++) {
-        double *column = lu->f + (size_t)j * n, most = 0.0, inverse;
-        int row = j;
-        for (k = begin; k < j; k++) /* U(begin:j, j) */
-            for (i = k + 1; i < j; i++) column[i] -= lu->f[(size_t)k * n + (size_t)i] * column[k];
-        yci_dense_subtract(lu->n - j, j - begin, lu->f + (size_t)begin * n + j, n, column + begin, column + j);
-        for (i = j; i < lu->n; i++)
-            if (!(fabs(column[i]) <= most)) most = fabs(column[i]), row = i;
-        if (!(most > 0.0 && most <= DBL_MAX)) return j;
-        lu->pivot[j] = row;
-        if (row != j)
-            for (k = begin; k < end; k++) {
-                double *at = lu->f + (size_t)k * n, value = at[j];
-                at[j] = at[row], at[row] = value;
-            }
-        inverse = 1.0 / column[j];
-        if (inverse <= DBL_MAX && inverse >= -DBL_MAX)
-            for (i = j + 1; i < lu->n; i++) column[i] *= inverse;
-        else /* the pivot is subnormal */
-            for (i = j + 1; i < lu->n; i++) column[i] /= column[j];
+/* The rows of `count` unknowns from `at` on of U, m columns of them at u, where U's columns are still A's: solved with
+ * L's corners, whose column `at` begins at l. */
+static void yci_lu_rows(const yc_lu *lu, int count, int m, const double *l, double *u, size_t ldu) {
+    static const double ones[YCI_PANEL] = {1, 1, 1, 1, 1, 1, 1, 1};
+    int g, j;
+    for (g = 0; g < count; g += YCI_PANEL) {
+        double corner[YCI_PANEL * YCI_PANEL];
+        for (j = 0; j < YCI_PANEL; j++)
+            memcpy(corner + YCI_PANEL * j, l + (size_t)(g + j) * lu->ldw + g, YCI_PANEL * sizeof *corner);
+        lu->kernels->strips(m, YCI_PANEL, g, u, ldu, l + g, lu->ldw, corner, ones, u + (size_t)g * ldu, ldu);
     }
-    return -1;
 }
 
 typedef struct {
     yc_lu *lu;
-    int begin, end;
-} yci_lu_job;
+    int begin, end; /* the block's columns; a block that does not end in whole panels is the last */
+} yci_lu_block_of;
 
-/* Exchanges rows in the columns left of the panel, and exchanges, solves and updates those right of it. Item q stands
- * for the columns q*4 to q*4+3 of all but the panel's. */
-static void yci_lu_update(void *arg, int first, int last) {
-    const yci_lu_job *job = (const yci_lu_job *)arg;
-    yc_lu *lu = job->lu;
-    int width = job->end - job->begin, rows = lu->n - job->end, q, i, j, k;
-    size_t n = (size_t)lu->n;
-    for (q = first; q < last; q++) {
-        double b[4 * YCI_LU_PANEL];
-        int left = job->begin / 4, start = q < left ? 4 * q : job->end + 4 * (q - left);
-        int columns = start + 4 <= lu->n ? 4 : lu->n - start;
-        for (j = 0; j < columns; j++) {
-            double *column = lu->f + (size_t)(start + j) * n;
-            for (k = job->begin; k < job->end; k++) {
+/* Factors columns [begin, end) of the block in w, whose rows start with the block's: halves, the right one updated by
+ * the left one. Returns the column without a pivot, or -1. */
+static int yci_lu_columns(yc_lu *lu, const yci_lu_block_of *block, int begin, int end) {
+    const yci_kernels *kernels = lu->kernels;
+    double *w = lu->w, *left, *right;
+    int width = block->end - block->begin, rows = lu->rows - block->begin, middle, size, most, bad, j, k;
+    int *pivot = lu->pivot + block->begin;
+    if (end - begin <= YCI_PANEL) {
+        bad = kernels->pivots(rows - begin, end - begin, w + (size_t)begin * lu->ldw + begin, lu->ldw, pivot + begin);
+        if (bad < end - begin) return block->begin + begin + bad;
+        for (k = begin; k < end; k++) pivot[k] += begin;
+        for (j = 0; j < width; j++) {
+            double *column = w + (size_t)j * lu->ldw;
+            if (j == begin) j += YCI_PANEL, column += YCI_PANEL * lu->ldw;
+            if (j >= width) break;
+            for (k = begin; k < end; k++) {
                 double value = column[k];
-                column[k] = column[lu->pivot[k]], column[lu->pivot[k]] = value;
-            }
-            if (q < left) continue;
-            for (k = 0; k < width; k++) {
-                const double *l = lu->f + (size_t)(job->begin + k) * n + job->begin;
-                double value = b[4 * k + j] = column[job->begin + k];
-                for (i = k + 1; i < width; i++) column[job->begin + i] -= l[i] * value;
+                column[k] = column[pivot[k]], column[pivot[k]] = value;
             }
         }
-        if (q < left) continue;
-        for (; j < 4; j++)
-            for (k = 0; k < width; k++) b[4 * k + j] = 0.0;
-        for (i = 0; i < rows; i += 4)
-            yci_dense_tile(width, lu->packed + (size_t)i * (size_t)width, b, lu->f + (size_t)start * n + job->end + i,
-                n, rows - i < 4 ? rows - i : 4, columns);
+        return -1;
+    }
+    middle = begin + (end - begin + 2 * YCI_PANEL - 1) / (2 * YCI_PANEL) * YCI_PANEL;
+    if ((bad = yci_lu_columns(lu, block, begin, middle)) >= 0) return bad;
+    size = middle - begin, most = (end - middle + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL;
+    left = w + (size_t)begin * lu->ldw + begin, right = w + (size_t)middle * lu->ldw + begin;
+    kernels->transpose(most, size, right, lu->ldw, lu->u, (size_t)most);
+    yci_lu_rows(lu, size, most, left, lu->u, (size_t)most);
+    kernels->transpose(size, most, lu->u, (size_t)most, right, lu->ldw);
+    kernels->product(rows - middle, most, size, left + size, lu->ldw, lu->u, (size_t)most, right + size, lu->ldw, 1);
+    return yci_lu_columns(lu, block, middle, end);
+}
+
+/* Strips of the columns outside a block: exchanges in all, then in those to its right rows of U and the update. */
+static void yci_lu_update(void *arg, int first, int last) {
+    const yci_lu_block_of *block = (const yci_lu_block_of *)arg;
+    yc_lu *lu = block->lu;
+    double u[YCI_LU_STRIP * YCI_LU_BLOCK + YCI_OVERREAD];
+    int size = block->end - block->begin, before = (block->begin + YCI_LU_LEFT - 1) / YCI_LU_LEFT, q, k;
+    for (q = first; q < last; q++) {
+        int right = q >= before, wide = right ? YCI_LU_STRIP : YCI_LU_LEFT;
+        int column = right ? block->end + (q - before) * wide : q * wide, stop = right ? lu->rows : block->begin;
+        int m = stop - column < wide ? stop - column : wide;
+        double *f = lu->f + (size_t)block->begin * lu->ld + column;
+        lu->kernels->exchange(size, lu->pivot + block->begin, m, f, lu->ld);
+        if (!right) continue;
+        for (k = 0; k < size; k++) memcpy(u + YCI_LU_STRIP * k, f + (size_t)k * lu->ld, (size_t)m * sizeof *u);
+        yci_lu_rows(lu, size, m, lu->w, u, YCI_LU_STRIP);
+        for (k = 0; k < size; k++) memcpy(f + (size_t)k * lu->ld, u + YCI_LU_STRIP * k, (size_t)m * sizeof *u);
+        lu->kernels->update(
+            m, lu->rows - block->end, size, u, YCI_LU_STRIP, lu->w + size, lu->ldw, f + (size_t)size * lu->ld, lu->ld);
     }
 }
 
+/* Factors the block of columns [begin, end) and updates the others. Returns the column without a pivot, or -1. */
+static int yci_lu_step(yc_lu *lu, int begin, int end) {
+    yci_lu_block_of block;
+    int rows = lu->rows - begin, size = (end - begin + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL, bad, j, items;
+    double *f = lu->f + (size_t)begin * lu->ld + begin;
+    block.lu = lu, block.begin = begin, block.end = end;
+    lu->kernels->transpose(rows, size, f, lu->ld, lu->w, lu->ldw);
+    bad = yci_lu_columns(lu, &block, 0, end - begin);
+    if (bad >= 0) return bad;
+    lu->kernels->transpose(size, rows, lu->w, lu->ldw, f, lu->ld);
+    for (j = 0; j < size; j++)
+        memcpy(lu->corner + YCI_PANEL * (size_t)(begin + j), lu->w + (size_t)j * lu->ldw + j / YCI_PANEL * YCI_PANEL,
+            YCI_PANEL * sizeof(double));
+    for (j = 0; j < end - begin; j++) {
+        double inverse = 1.0 / lu->w[(size_t)j * lu->ldw + (size_t)j];
+        if (!(inverse <= DBL_MAX && inverse >= -DBL_MAX)) lu->plain = 1;
+        lu->inverse[begin + j] = inverse;
+    }
+    items = (begin + YCI_LU_LEFT - 1) / YCI_LU_LEFT + (rows - size + YCI_LU_STRIP - 1) / YCI_LU_STRIP;
+    yci_parallel(&lu->context, items, 1, yci_lu_update, &block);
+    for (j = begin; j < end; j++) lu->pivot[j] += begin;
+    return -1;
+}
+
+#ifdef YC_USE_LAPACK
+#ifdef __cplusplus
+extern "C" {
+#endif
+void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *pivot, int *info);
+void dgetrs_(const char *transposed, const int *n, const int *count, const double *a, const int *lda, const int *pivot,
+    double *x, const int *ldx, int *info);
+#ifdef __cplusplus
+}
+#endif
+
+/* A is turned round, tile by tile, since LAPACK factors by columns. Returns the column without a pivot, or -1. */
+static int yci_lu_lapack(yc_lu *lu) {
+    double tile[YCI_PANEL * YCI_PANEL];
+    int i, j, k, ld = (int)lu->ld, info = 0;
+    for (i = 0; i < lu->rows; i += YCI_PANEL)
+        for (j = 0; j <= i; j += YCI_PANEL) {
+            double *lower = lu->f + (size_t)i * lu->ld + j, *upper = lu->f + (size_t)j * lu->ld + i;
+            lu->kernels->transpose(YCI_PANEL, YCI_PANEL, lower, lu->ld, tile, YCI_PANEL);
+            if (i != j) lu->kernels->transpose(YCI_PANEL, YCI_PANEL, upper, lu->ld, lower, lu->ld);
+            for (k = 0; k < YCI_PANEL; k++)
+                memcpy(upper + (size_t)k * lu->ld, tile + YCI_PANEL * k, YCI_PANEL * sizeof(double));
+        }
+    if (lu->n) dgetrf_(&lu->n, &lu->n, lu->f, &ld, lu->pivot, &info);
+    return info > 0 ? info - 1 : -1;
+}
+
+/* Leaves no right-hand sides to solve for. */
+static void yci_lu_lapack_solve(const yc_lu *lu, const char *transposed, double *x, int *count, int ldx) {
+    int ld = (int)lu->ld, info;
+    if (lu->n && *count) dgetrs_(transposed, &lu->n, count, lu->f, &ld, lu->pivot, x, &ldx, &info);
+    *count = 0;
+}
+#endif
+
+/* Factors A in f. Returns the column without a pivot, or -1. */
+static int yci_lu_all(yc_lu *lu) {
+    int begin, end, bad = -1, block = yci_lu_block(lu->rows);
+#ifdef YC_USE_LAPACK
+    return yci_lu_lapack(lu);
+#endif
+    for (begin = 0; begin < lu->n && bad < 0; begin = end) {
+        end = lu->n - begin < block ? lu->n : begin + block;
+        bad = yci_lu_step(lu, begin, end);
+    }
+    return bad;
+}
+
+static yc_result yci_lu_not_finite(yc_lu *lu, const double *a, int lda) {
+    int i, j;
+    for (i = 0; i < lu->n; i++)
+        for (j = 0; j < lu->n; j++) {
+            double value = a[(size_t)i * (size_t)lda + (size_t)j];
+            if (!(fabs(value) <= DBL_MAX))
+                return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", i, j, value);
+        }
+    return YC_OK; /* a sum overflowed */
+}
+
 YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
-    size_t n;
-    int i, j, k, begin;
+    double largest, norm = 0.0;
+    int i, bad;
     if (!lu) return YC_ERROR_ARGUMENT;
-    n = (size_t)lu->n;
     if (lu->n && !a) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a is NULL");
     if (lda < lu->n) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: lda is %d, n is %d", lda, lu->n);
+    memset(lu->work, 0, (size_t)lu->rows * sizeof(double));
+    largest = lu->kernels->sizes(lu->n, lu->n, a, (size_t)lda, lu->work);
+    for (i = 0; i < lu->n && norm <= DBL_MAX; i++) norm = lu->work[i] <= norm ? norm : lu->work[i];
+    if (!(norm <= DBL_MAX) && yci_lu_not_finite(lu, a, lda) != YC_OK) return YC_ERROR_ARGUMENT;
+    lu->factored = lu->plain = 0, lu->norm = norm, lu->largest = largest;
     for (i = 0; i < lu->n; i++)
-        for (j = 0; j < lu->n; j++)
-            if (!(fabs(a[(size_t)i * (size_t)lda + (size_t)j]) <= DBL_MAX))
-                return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", i, j,
-                    a[(size_t)i * (size_t)lda + (size_t)j]);
-    lu->factored = 0, lu->norm = 0.0;
-    for (j = 0; j < lu->n; j++) {
-        double sum = 0.0;
-        for (i = 0; i < lu->n; i++) {
-            double value = a[(size_t)i * (size_t)lda + (size_t)j];
-            lu->f[(size_t)j * n + (size_t)i] = value;
-            sum += fabs(value);
-        }
-        lu->norm = yci_max(lu->norm, sum);
-    }
-    for (begin = 0; begin < lu->n; begin += YCI_LU_PANEL) {
-        yci_lu_job job;
-        int end = begin + YCI_LU_PANEL < lu->n ? begin + YCI_LU_PANEL : lu->n, rows = lu->n - end, items, bad;
-        bad = yci_lu_panel(lu, begin, end);
-        if (bad >= 0) return YCI_FAIL(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
-        for (k = 0; k < end - begin; k++)
-            for (i = 0; i < rows; i++)
-                lu->packed[(size_t)(i / 4) * 4 * (size_t)(end - begin) + (size_t)(4 * k + i % 4)] =
-                    lu->f[(size_t)(begin + k) * n + (size_t)(end + i)];
-        job.lu = lu, job.begin = begin, job.end = end;
-        items = begin / 4 + (rows + 3) / 4;
-        yci_parallel(&lu->context, items, 1 + 4096 / (rows + 4), yci_lu_update, &job);
-    }
+        memcpy(lu->f + (size_t)i * lu->ld, a + (size_t)i * (size_t)lda, (size_t)lu->n * sizeof(double));
+    bad = yci_lu_all(lu);
+    if (bad >= 0) return YCI_FAIL(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
     lu->factored = 1;
     return YC_OK;
 }
 
-/* x := inverse(A) x, by panels so that the factor is read once for all right-hand sides. */
-static void yci_lu_solve_all(const yc_lu *lu, double *x, int count, int ldx) {
-    size_t n = (size_t)lu->n;
-    int begin, end, i, j, k;
-    for (k = 0; k < count; k++)
-        for (i = 0; i < lu->n; i++) {
-            double *at = x + (size_t)k * (size_t)ldx, value = at[i];
-            at[i] = at[lu->pivot[i]], at[lu->pivot[i]] = value;
-        }
-    for (begin = 0; begin < lu->n; begin = end) {
-        end = begin + 4 < lu->n ? begin + 4 : lu->n;
-        for (k = 0; k < count; k++) {
-            double *at = x + (size_t)k * (size_t)ldx;
-            for (j = begin; j < end; j++)
-                for (i = j + 1; i < end; i++) at[i] -= lu->f[(size_t)j * n + (size_t)i] * at[j];
-            yci_dense_subtract(lu->n - end, end - begin, lu->f + (size_t)begin * n + end, n, at + begin, at + end);
-        }
+/* x := inverse(L U) x, or of its transpose, by the textbook: for a pivot whose reciprocal overflows. */
+static void yci_lu_plain(const yc_lu *lu, double *x) {
+    int i, j;
+    for (i = 0; i < lu->n; i++)
+        for (j = 0; j < i; j++) x[i] -= lu->f[(size_t)i * lu->ld + (size_t)j] * x[j];
+    for (i = lu->n - 1; i >= 0; i--) {
+        for (j = i + 1; j < lu->n; j++) x[i] -= lu->f[(size_t)i * lu->ld + (size_t)j] * x[j];
+        x[i] /= lu->f[(size_t)i * lu->ld + (size_t)i];
     }
-    for (end = lu->n; end > 0; end = begin) {
-        begin = end > 4 ? end - 4 : 0;
-        for (k = 0; k < count; k++) {
-            double *at = x + (size_t)k * (size_t)ldx;
-            for (j = end - 1; j >= begin; j--) {
-                at[j] /= lu->f[(size_t)j * n + (size_t)j];
-                for (i = begin; i < j; i++) at[i] -= lu->f[(size_t)j * n + (size_t)i] * at[j];
-            }
-            yci_dense_subtract(begin, end - begin, lu->f + (size_t)begin * n, n, at + begin, at);
+}
+
+static void yci_lu_plain_transposed(const yc_lu *lu, double *x) {
+    int i, j;
+    for (i = 0; i < lu->n; i++) {
+        x[i] /= lu->f[(size_t)i * lu->ld + (size_t)i];
+        for (j = i + 1; j < lu->n; j++) x[j] -= lu->f[(size_t)i * lu->ld + (size_t)j] * x[i];
+    }
+    for (i = lu->n - 1; i >= 0; i--)
+        for (j = 0; j < i; j++) x[j] -= lu->f[(size_t)i * lu->ld + (size_t)j] * x[i];
+}
+
+static void yci_lu_exchange(const yc_lu *lu, int i, double *x) {
+    double value = x[i];
+    x[i] = x[lu->pivot[i]], x[lu->pivot[i]] = value;
+}
+
+/* x := inverse(A) x, YCI_RIGHT at a time so that the factor is read once for them. */
+static void yci_lu_solve_all(const yc_lu *lu, double *x, int count, int ldx) {
+    int i, k, some;
+#ifdef YC_USE_LAPACK
+    yci_lu_lapack_solve(lu, "N", x, &count, ldx);
+#endif
+    for (; count > 0; count -= some, x += (size_t)some * (size_t)ldx) {
+        some = count < YCI_RIGHT ? count : YCI_RIGHT;
+        for (k = 0; k < some; k++) {
+            for (i = 0; i < lu->n; i++) yci_lu_exchange(lu, i, x + (size_t)k * (size_t)ldx);
+            if (lu->plain) yci_lu_plain(lu, x + (size_t)k * (size_t)ldx);
         }
+        if (!lu->plain) lu->kernels->solve(lu->n, lu->f, lu->ld, lu->corner, lu->inverse, x, (size_t)ldx, some);
     }
 }
 
 /* x := inverse(A') x = P' inverse(L') inverse(U') x. */
 static void yci_lu_solve_all_transposed(const yc_lu *lu, double *x, int count, int ldx) {
-    size_t n = (size_t)lu->n;
-    int begin, end, i, j, k;
-    for (begin = 0; begin < lu->n; begin = end) {
-        end = begin + 4 < lu->n ? begin + 4 : lu->n;
-        for (k = 0; k < count; k++) {
-            double *at = x + (size_t)k * (size_t)ldx;
-            yci_dense_subtract_transposed(begin, end - begin, lu->f + (size_t)begin * n, n, at, at + begin);
-            for (j = begin; j < end; j++) {
-                for (i = begin; i < j; i++) at[j] -= lu->f[(size_t)j * n + (size_t)i] * at[i];
-                at[j] /= lu->f[(size_t)j * n + (size_t)j];
-            }
+    int i, k, some;
+#ifdef YC_USE_LAPACK
+    yci_lu_lapack_solve(lu, "T", x, &count, ldx);
+#endif
+    for (; count > 0; count -= some, x += (size_t)some * (size_t)ldx) {
+        some = count < YCI_RIGHT ? count : YCI_RIGHT;
+        if (!lu->plain) lu->kernels->solve_transposed(lu->n, lu->f, lu->ld, lu->inverse, x, (size_t)ldx, some);
+        for (k = 0; k < some; k++) {
+            if (lu->plain) yci_lu_plain_transposed(lu, x + (size_t)k * (size_t)ldx);
+            for (i = lu->n - 1; i >= 0; i--) yci_lu_exchange(lu, i, x + (size_t)k * (size_t)ldx);
         }
     }
-    for (end = lu->n; end > 0; end = begin) {
-        begin = end > 4 ? end - 4 : 0;
-        for (k = 0; k < count; k++) {
-            double *at = x + (size_t)k * (size_t)ldx;
-            yci_dense_subtract_transposed(
-                lu->n - end, end - begin, lu->f + (size_t)begin * n + end, n, at + end, at + begin);
-            for (j = end - 1; j >= begin; j--)
-                for (i = j + 1; i < end; i++) at[j] -= lu->f[(size_t)j * n + (size_t)i] * at[i];
-        }
-    }
-    for (k = 0; k < count; k++)
-        for (i = lu->n - 1; i >= 0; i--) {
-            double *at = x + (size_t)k * (size_t)ldx, value = at[i];
-            at[i] = at[lu->pivot[i]], at[lu->pivot[i]] = value;
-        }
 }
 
 YC_API yc_result yc_lu_solve(const yc_lu *lu, double *x, int count, int ldx) {
@@ -2231,6 +2652,20 @@ YC_API yc_result yc_lu_solve_transposed(const yc_lu *lu, double *x, int count, i
     if (!lu || !lu->factored || count < 0 || ldx < lu->n || (count && lu->n && !x)) return YC_ERROR_ARGUMENT;
     yci_lu_solve_all_transposed(lu, x, count, ldx);
     return YC_OK;
+}
+
+YC_API double yc_lu_growth(const yc_lu *lu) {
+    double most = 0.0;
+    int i, j;
+    if (!lu || !lu->factored) return 0.0;
+#ifdef YC_USE_LAPACK /* its factor lies by columns */
+    for (i = 0; i < lu->n; i++)
+        for (j = 0; j <= i; j++) most = yci_max(most, fabs(lu->f[(size_t)i * lu->ld + (size_t)j]));
+#else
+    for (i = 0; i < lu->n; i++)
+        for (j = i; j < lu->n; j++) most = yci_max(most, fabs(lu->f[(size_t)i * lu->ld + (size_t)j]));
+#endif
+    return lu->n ? most / lu->largest : 1.0;
 }
 
 static double yci_dense_norm1(int n, const double *x) {

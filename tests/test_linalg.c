@@ -10,41 +10,256 @@
 
 /* ---- dense ------------------------------------------------------------------------------------------------------- */
 
-static void lu_size(int n, uint64_t seed) {
-    yc_lu *lu = NULL;
-    int lda = n + 3, ldx = n + 1, i, j, k;
-    double *a = (double *)malloc(((size_t)n * (size_t)lda + 1) * sizeof(double)), *x, *b, worst = 0.0;
-    x = (double *)malloc(3 * (size_t)ldx * sizeof(double)), b = (double *)malloc(3 * (size_t)ldx * sizeof(double));
-    for (i = 0; i < n * lda; i++) a[i] = test_random(&seed, -1.0, 1.0);
-    for (i = 0; i < 3 * ldx; i++) b[i] = test_random(&seed, -1.0, 1.0);
-    CHECK_RESULT(yc_lu_create(NULL, n, &lu), YC_OK);
-    CHECK_RESULT(yc_lu_factor(lu, a, lda), YC_OK);
-    memcpy(x, b, 3 * (size_t)ldx * sizeof(double));
-    CHECK_RESULT(yc_lu_solve(lu, x, 3, ldx), YC_OK);
-    for (k = 0; k < 3; k++)
-        for (i = 0; i < n; i++) {
-            double sum = -b[k * ldx + i];
-            for (j = 0; j < n; j++) sum += a[i * lda + j] * x[k * ldx + j];
-            worst = yci_max(worst, fabs(sum));
+enum { LU_SPARE = 3 }; /* rows of A and right-hand sides are that much further apart than n */
+
+typedef struct {
+    int n, lda, count, ldx;
+    double *a, *b, *x;
+    yc_lu *lu;
+} lu_system;
+
+/* Arrays end where the library may read last. */
+static void lu_open(lu_system *s, int n, int count, const yci_kernels *kernels, uint64_t *seed) {
+    size_t size, i;
+    s->n = n, s->lda = s->ldx = n + LU_SPARE, s->count = count, s->lu = NULL;
+    size = n ? (size_t)(n - 1) * (size_t)s->lda + (size_t)n : 0;
+    s->a = (double *)malloc((size + 1) * sizeof(double)) + 1;
+    for (i = 0; i < size; i++) s->a[i] = test_random(seed, -1.0, 1.0);
+    size = count ? (size_t)(count - 1) * (size_t)s->ldx + (size_t)n : 0;
+    s->b = (double *)malloc((size + 1) * sizeof(double)) + 1, s->x = (double *)malloc((size + 1) * sizeof(double)) + 1;
+    for (i = 0; i < size; i++) s->b[i] = test_random(seed, -1.0, 1.0);
+    CHECK_RESULT(yc_lu_create(NULL, n, &s->lu), YC_OK);
+    if (kernels) s->lu->kernels = kernels;
+}
+
+static void lu_close(lu_system *s) {
+    yc_lu_destroy(s->lu);
+    free(s->a - 1), free(s->b - 1), free(s->x - 1);
+}
+
+static double lu_entry(const lu_system *s, int transposed, int i, int j) {
+    return transposed ? s->a[(size_t)j * (size_t)s->lda + (size_t)i] : s->a[(size_t)i * (size_t)s->lda + (size_t)j];
+}
+
+/* Solves for b; the backward error max |b - A x| / (|A| |x| + |b|). What lies between right-hand sides must stay. */
+static double lu_error(lu_system *s, int transposed) {
+    double worst = 0.0, size = 0.0, sum;
+    size_t all = s->count ? (size_t)(s->count - 1) * (size_t)s->ldx + (size_t)s->n : 0;
+    int i, j, k;
+    if (s->count) memcpy(s->x, s->b, all * sizeof(double));
+    if (transposed) CHECK_RESULT(yc_lu_solve_transposed(s->lu, s->x, s->count, s->ldx), YC_OK);
+    else CHECK_RESULT(yc_lu_solve(s->lu, s->x, s->count, s->ldx), YC_OK);
+    for (i = 0; i < s->n; i++) {
+        for (sum = 0.0, j = 0; j < s->n; j++) sum += fabs(lu_entry(s, transposed, i, j));
+        size = yci_max(size, sum);
+    }
+    for (k = 0; k < s->count; k++) {
+        const double *x = s->x + (size_t)k * (size_t)s->ldx, *b = s->b + (size_t)k * (size_t)s->ldx;
+        double most = 0.0;
+        for (i = 0; i < s->n; i++) most = yci_max(most, fabs(x[i]));
+        for (i = 0; i < s->n; i++) {
+            long double rest = b[i];
+            for (j = 0; j < s->n; j++) rest -= (long double)lu_entry(s, transposed, i, j) * (long double)x[j];
+            worst = yci_max(worst, (double)(fabsl(rest) / ((long double)size * most + fabsl(b[i]))));
         }
-    memcpy(x, b, 3 * (size_t)ldx * sizeof(double));
-    CHECK_RESULT(yc_lu_solve_transposed(lu, x, 3, ldx), YC_OK);
-    for (k = 0; k < 3; k++)
-        for (i = 0; i < n; i++) {
-            double sum = -b[k * ldx + i];
-            for (j = 0; j < n; j++) sum += a[j * lda + i] * x[k * ldx + j];
-            worst = yci_max(worst, fabs(sum));
+        for (i = s->n; k + 1 < s->count && i < s->ldx; i++) CHECK(x[i] == b[i]);
+    }
+    return worst;
+}
+
+/* max |P A - L U| / max |A|, from the factor itself; no entry of L is above 1. */
+static double lu_factor_error(const lu_system *s) {
+    const yc_lu *lu = s->lu;
+    double worst = 0.0, most = 0.0, *sum = (double *)malloc(((size_t)s->n + 1) * sizeof(double));
+    int *row = (int *)malloc(((size_t)s->n + 1) * sizeof(int)), i, j, k, steep = 0;
+    for (i = 0; i < s->n; i++) row[i] = i;
+    for (i = 0; i < s->n; i++) k = row[i], row[i] = row[lu->pivot[i]], row[lu->pivot[i]] = k;
+    for (i = 0; i < s->n; i++) {
+        const double *f = lu->f + (size_t)i * lu->ld;
+        for (j = 0; j < s->n; j++) sum[j] = lu_entry(s, 0, row[i], j), most = yci_max(most, fabs(sum[j]));
+        for (k = 0; k <= i; k++) {
+            double l = k < i ? f[k] : 1.0;
+            steep += fabs(l) > 1.0 + 1e-15;
+            for (j = k; j < s->n; j++) sum[j] -= l * lu->f[(size_t)k * lu->ld + (size_t)j];
         }
-    CHECK(worst < 1e-9);
-    CHECK(x[n] == b[n]);
-    yc_lu_destroy(lu);
-    free(a), free(x), free(b);
+        for (j = 0; j < s->n; j++) worst = yci_max(worst, fabs(sum[j]));
+    }
+    CHECK(steep == 0);
+    free(sum), free(row);
+    return worst > 0.0 ? worst / most : 0.0;
+}
+
+static void lu_size(int n, const yci_kernels *kernels, uint64_t seed) {
+    lu_system s;
+    int count;
+    lu_open(&s, n, n < 40 || n > 70 ? 9 : n % 10, kernels, &seed);
+    CHECK_RESULT(yc_lu_factor(s.lu, s.a, s.lda), YC_OK);
+    CHECK(lu_factor_error(&s) < 2e-15 * (1.0 + n / 16.0));
+    CHECK(lu_error(&s, 0) < 4e-16 * (1.0 + n / 256.0) && lu_error(&s, 1) < 4e-16 * (1.0 + n / 256.0));
+    for (count = 0; n == 37 && count < s.count; count++) {
+        lu_system some = s;
+        some.count = count;
+        CHECK(lu_error(&some, 0) < 4e-16 && lu_error(&some, 1) < 4e-16);
+    }
+    lu_close(&s);
 }
 
 TEST(dense_lu) {
-    static const int sizes[] = {0, 1, 2, 3, 5, 31, 32, 33, 64, 67, 130, 201};
+    static const int sizes[] = {127, 128, 129, 200, 513};
+    int level, n;
     size_t i;
-    for (i = 0; i < sizeof sizes / sizeof sizes[0]; i++) lu_size(sizes[i], 7 + (uint64_t)i);
+    for (level = 0; level < YCI_LEVELS; level++) {
+        const yci_kernels *kernels = yci_kernels_of(level);
+        if (!kernels) continue;
+        for (n = 0; n <= 70; n++) lu_size(n, kernels, 7 + (uint64_t)n);
+        for (i = 0; i < sizeof sizes / sizeof sizes[0]; i++) lu_size(sizes[i], kernels, 99 + (uint64_t)i);
+    }
+}
+
+/* Scaled rows and columns, and a condition of 1e14; 1e-310 stands for numbers that are all subnormal. */
+TEST(dense_lu_scales) {
+    static const double scale[] = {1e150, 1e-150, 1e300, 1e-300};
+    int level, k, i, j;
+    for (level = 0; level < YCI_LEVELS; level++)
+        for (k = 0; k < 6; k++) {
+            const yci_kernels *kernels = yci_kernels_of(level);
+            uint64_t seed = 5 + (uint64_t)k;
+            lu_system s;
+            if (!kernels) continue;
+            lu_open(&s, 83, 2, kernels, &seed);
+            for (i = 0; i < s.n; i++)
+                for (j = 0; j < s.n; j++)
+                    s.a[(size_t)i * (size_t)s.lda + (size_t)j] *=
+                        k < 4 ? scale[k] : pow(10.0, -14.0 * (k == 4 ? i : j) / (s.n - 1));
+            CHECK_RESULT(yc_lu_factor(s.lu, s.a, s.lda), YC_OK);
+            CHECK(lu_error(&s, 0) < 4e-16 && lu_error(&s, 1) < 4e-16);
+            lu_close(&s);
+        }
+}
+
+/* Pivots whose reciprocal overflows, among others: x = 1, ..., 1 is exact to the grain of subnormal numbers. */
+TEST(dense_lu_subnormal) {
+    int level, n, i, j;
+    for (level = 0; level < YCI_LEVELS; level++)
+        for (n = 1; n < 30; n += 7) {
+            const yci_kernels *kernels = yci_kernels_of(level);
+            uint64_t seed = 3;
+            lu_system s;
+            double worst = 0.0;
+            if (!kernels) continue;
+            lu_open(&s, n, 1, kernels, &seed);
+            for (i = 0; i < n; i++) {
+                for (s.b[i] = 0.0, j = 0; j < n; j++) {
+                    double *at = s.a + i * s.lda + j;
+                    *at = i == j ? ldexp(1.0, -1040) : i > j ? ldexp(1.0, -1045) : 0.0;
+                    s.b[i] += *at;
+                }
+            }
+            CHECK_RESULT(yc_lu_factor(s.lu, s.a, s.lda), YC_OK);
+            memcpy(s.x, s.b, (size_t)n * sizeof(double));
+            CHECK_RESULT(yc_lu_solve(s.lu, s.x, 1, s.ldx), YC_OK);
+            for (i = 0; i < n; i++) worst = yci_max(worst, fabs(s.x[i] - 1.0));
+            CHECK(worst < 1e-9);
+            for (j = 0; j < n; j++)
+                for (s.x[j] = 0.0, i = 0; i < n; i++) s.x[j] += s.a[i * s.lda + j];
+            CHECK_RESULT(yc_lu_solve_transposed(s.lu, s.x, 1, s.ldx), YC_OK);
+            for (i = 0; i < n; i++) worst = yci_max(worst, fabs(s.x[i] - 1.0));
+            CHECK(worst < 1e-9);
+            lu_close(&s);
+        }
+}
+
+/* J. H. Wilkinson's matrix, on which the last column grows at every step, without ties between pivots. */
+TEST(dense_lu_growth) {
+    int level, i, j;
+    for (level = 0; level < YCI_LEVELS; level++) {
+        const yci_kernels *kernels = yci_kernels_of(level);
+        uint64_t seed = 1;
+        lu_system s;
+        if (!kernels) continue;
+        lu_open(&s, 41, 1, kernels, &seed);
+        CHECK(yc_lu_growth(s.lu) == 0.0 && yc_lu_growth(NULL) == 0.0);
+        for (i = 0; i < s.n; i++)
+            for (j = 0; j < s.n; j++) s.a[i * s.lda + j] = i == j || j == s.n - 1 ? 1.0 : i > j ? -0.5 : 0.0;
+        CHECK_RESULT(yc_lu_factor(s.lu, s.a, s.lda), YC_OK);
+        CHECK_NEAR(yc_lu_growth(s.lu), pow(1.5, s.n - 1), 1e-6);
+        lu_close(&s);
+    }
+}
+
+/* Ranks that are exact in floating point: the column without a pivot is named; the next factorisation works again. */
+TEST(dense_lu_singular) {
+    int level, rank, i, j;
+    for (level = 0; level < YCI_LEVELS; level++)
+        for (rank = 0; rank < 75; rank += 1 + rank / 3) {
+            const yci_kernels *kernels = yci_kernels_of(level);
+            uint64_t seed = 1;
+            char words[32];
+            lu_system s;
+            if (!kernels) continue;
+            lu_open(&s, 75, 1, kernels, &seed);
+            snprintf(words, sizeof words, "column %d ", rank);
+            for (i = 0; i < s.n; i++)
+                for (j = 0; j < s.n; j++)
+                    s.a[i * s.lda + j] = j < rank && i == (7 * j + 3) % s.n ? 2.0 : j >= rank && i == 3 ? 1.0 : 0.0;
+            if (!rank) s.a[3 * s.lda] = 0.0;
+            CHECK(yc_lu_factor(s.lu, s.a, s.lda) == YC_ERROR_SINGULAR && strstr(yc_lu_message(s.lu), words));
+            CHECK(yc_lu_solve(s.lu, s.x, 1, s.ldx) == YC_ERROR_ARGUMENT && yc_lu_rcond(s.lu) == 0.0);
+            for (j = 0; j < s.n; j++) s.a[(7 * j + 3) % s.n * s.lda + j] = 2.0;
+            CHECK_RESULT(yc_lu_factor(s.lu, s.a, s.lda), YC_OK);
+            CHECK(lu_error(&s, 0) < 4e-16);
+            lu_close(&s);
+        }
+}
+
+/* An entry that is not finite anywhere leaves the previous factor; sums that overflow are no reason to refuse. */
+TEST(dense_lu_finite) {
+    static const double bad[] = {NAN, INFINITY, -INFINITY};
+    uint64_t seed = 8;
+    lu_system s;
+    double keep[50];
+    int i, k;
+    lu_open(&s, 50, 1, NULL, &seed);
+    CHECK_RESULT(yc_lu_factor(s.lu, s.a, s.lda), YC_OK);
+    CHECK(lu_error(&s, 0) < 4e-16);
+    memcpy(keep, s.x, sizeof keep);
+    for (k = 0; k < 150; k++) {
+        char words[32];
+        int row = k * 7 % s.n, column = k * 11 % s.n;
+        double *at = s.a + row * s.lda + column, was = *at;
+        *at = bad[k % 3];
+        snprintf(words, sizeof words, "a[%d][%d]", row, column);
+        CHECK(yc_lu_factor(s.lu, s.a, s.lda) == YC_ERROR_ARGUMENT && strstr(yc_lu_message(s.lu), words));
+        *at = was;
+    }
+    memcpy(s.x, s.b, sizeof keep);
+    CHECK_RESULT(yc_lu_solve(s.lu, s.x, 1, s.ldx), YC_OK);
+    CHECK(memcmp(keep, s.x, sizeof keep) == 0);
+    for (i = 0; i < s.n; i++) s.a[i * s.lda + i] = 1e308, s.a[i * s.lda] = i ? 1e307 : 1e308;
+    CHECK_RESULT(yc_lu_factor(s.lu, s.a, s.lda), YC_OK);
+    lu_close(&s);
+}
+
+/* The same bits for any number of workers. */
+TEST(dense_lu_workers) {
+    int workers;
+    double *first = NULL;
+    for (workers = 0; workers < 4; workers++) {
+        yc_host host = test_host_threads(workers);
+        uint64_t seed = 4;
+        lu_system s;
+        lu_open(&s, 301, 0, NULL, &seed);
+        yc_lu_destroy(s.lu);
+        CHECK_RESULT(yc_lu_create(&host, s.n, &s.lu), YC_OK);
+        CHECK_RESULT(yc_lu_factor(s.lu, s.a, s.lda), YC_OK);
+        if (!first) {
+            first = (double *)malloc((size_t)s.n * s.lu->ld * sizeof(double));
+            memcpy(first, s.lu->f, (size_t)s.n * s.lu->ld * sizeof(double));
+        }
+        CHECK(memcmp(first, s.lu->f, (size_t)s.n * s.lu->ld * sizeof(double)) == 0);
+        lu_close(&s);
+    }
+    free(first);
 }
 
 TEST(dense_lu_errors) {
