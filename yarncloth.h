@@ -1283,7 +1283,9 @@ static void yci_corner_backward(int n, const unsigned char *dim, const double *w
 #define YCI_UNROLL _Pragma("GCC unroll 8")
 #endif
 #define YCI_INLINE static inline __attribute__((always_inline))
+#define YCI_PREFETCH(p) __builtin_prefetch(p)
 #else
+#define YCI_PREFETCH(p) ((void)0)
 #define YCI_UNROLL
 #define YCI_INLINE static inline
 #endif
@@ -1551,28 +1553,38 @@ YCI_TARGET static void YCI_(yci_strips)(int m, int n, int k, const double *a, si
     }
 }
 
-YCI_TARGET static void YCI_(yci_expand)(const yci_expansion *e) {
-    int j, c;
-    for (j = 0; j < e->count; j++) {
-        int first = e->place[j] / 8;
-        const int *chunk = e->chunk + (first - e->base), *end = e->chunk + e->chunks;
-        const double *source = e->source + (size_t)j * e->source_ld;
-        double *to = e->target + (size_t)(e->place[j] - e->column) * e->target_ld + (8 * first - e->row);
-        for (; chunk < end; chunk++, to += 8) {
-            const double *from = source + (*chunk >> 8);
+/* `columns` of them, from the one that goes to place[0] on; the first decides where the rows begin. */
+YCI_TARGET YCI_INLINE void YCI_(yci_expand_some)(int columns, const yci_expansion *e, int from) {
+    int first = e->place[from] / 8, j;
+    const int *chunk = e->chunk + (first - e->base), *end = e->chunk + e->chunks;
+    const double *source = e->source + (size_t)from * e->source_ld;
+    double *to[4];
+    YCI_UNROLL
+    for (j = 0; j < columns; j++)
+        to[j] = e->target + (size_t)(e->place[from + j] - e->column) * e->target_ld + (8 * first - e->row);
+    for (; chunk < end; chunk++) {
+        const double *x = source + (*chunk >> 8);
+        YCI_UNROLL
+        for (j = 0; j < columns; j++, x += e->source_ld) {
 #ifdef V_EXPAND
-            (void)c;
-            V_STORE(to, V_ADD(V_LOAD(to), V_EXPAND(from, *chunk)));
+            V_STORE(to[j], V_ADD(V_LOAD(to[j]), V_EXPAND(x, *chunk)));
 #else
-            int bits = *chunk & 255;
+            int bits = *chunk & 255, i, k = 0;
             if (bits == 255)
-                for (c = 0; c < 8; c += V_W) V_STORE(to + c, V_ADD(V_LOAD(to + c), V_LOAD(from + c)));
+                for (i = 0; i < 8; i += V_W) V_STORE(to[j] + i, V_ADD(V_LOAD(to[j] + i), V_LOAD(x + i)));
             else
-                for (c = 0; bits; c++, bits >>= 1)
-                    if (bits & 1) to[c] += *from++;
+                for (i = 0; bits; i++, bits >>= 1)
+                    if (bits & 1) to[j][i] += x[k++];
 #endif
+            to[j] += 8;
         }
     }
+}
+
+YCI_TARGET static void YCI_(yci_expand)(const yci_expansion *e) {
+    int j;
+    for (j = 0; j + 4 <= e->count; j += 4) YCI_(yci_expand_some)(4, e, j);
+    for (; j < e->count; j++) YCI_(yci_expand_some)(1, e, j);
 }
 
 /* x := inverse(G) x and x := inverse(G') (x - s) for the diagonal block of a panel, x and s of count arrays. */
@@ -3576,6 +3588,7 @@ static yc_result yci_order_auto(
 /* ------------------------------------------------------------------------------------ direct: symbolic analysis --- */
 
 #define YCI_LDL_TASKS 32 /* at most: subtrees factored at the same time */
+#define YCI_LDL_SOON 24  /* runs of values by which memory is asked ahead */
 #define YCI_LDL_STEP 64  /* columns of a front that are factored before the rest of it is updated */
 
 /* Values that stand side by side, and where they go: value[from + i], i < count, is added at to + i * step of the
@@ -4123,12 +4136,13 @@ static void yci_ldl_extend(const yci_ldl *f, const yci_ldl_super *child, const y
 static void yci_ldl_assemble(const yci_ldl *f, const yci_ldl_super *s, const double *value, double *reference) {
     double *panel = f->panel + s->panel;
     size_t h = (size_t)s->height;
-    int k, i, a, b, d, child;
+    int k, i, a, b, d, child, runs = f->super[f->supers].run;
     memset(panel, 0, (size_t)(s[1].panel - s->panel) * sizeof *panel);
     for (k = s->run; k < s[1].run; k++) {
         const double *from = value + f->run[k].from;
         double *to = panel + f->run[k].to;
         size_t step = (size_t)f->run[k].step;
+        if (k + YCI_LDL_SOON < runs) YCI_PREFETCH(value + f->run[k + YCI_LDL_SOON].from);
         for (i = 0; i < f->run[k].count; i++) to[(size_t)i * step] = from[i];
     }
     for (i = 0; i < s->width; i += d) {
@@ -4160,13 +4174,13 @@ static void yci_ldl_trail_columns(void *arg, int first, int last) {
         size_t ldc = inside ? h : s->ld;
         double *c = (inside ? t->f->panel + s->panel : t->f->update + s->update) - shift;
         if (limit > column + t->group) limit = column + t->group;
-        for (j = column; j < limit; j += YCI_PANEL) { /* rows down to the group's last, then below */
-            int n = limit - j < YCI_PANEL ? limit - j : YCI_PANEL, from = inside ? j : j & ~7, to = (limit + 7) & ~7;
-            if (to > s->height) to = s->height;
+        for (j = column; j < limit; j += YCI_PANEL) { /* rows down to the group's last, then those below together */
+            int n = yci_min_int(limit - j, YCI_PANEL), from = inside ? j : j & ~7;
+            int to = t->group == YCI_PANEL ? s->height : yci_min_int((limit + 7) & ~7, s->height);
             t->f->kernels->product(to - from, n, k, l + from, h, ld + j, h, c + (size_t)(j - origin) * ldc + from, ldc,
                 inside || t->begin);
         }
-        j = (limit + 7) & ~7;
+        j = t->group == YCI_PANEL ? s->height : (limit + 7) & ~7;
         if (j < s->height)
             t->f->kernels->product(s->height - j, limit - column, k, l + j, h, ld + column, h,
                 c + (size_t)(column - origin) * ldc + j, ldc, inside || t->begin);
