@@ -1220,6 +1220,9 @@ typedef struct yci_kernels {
 #ifdef __clang__ /* says so of loops that it does unroll, in another place */
 #pragma clang diagnostic push
 #pragma clang diagnostic ignored "-Wpass-failed"
+#elif defined(__GNUC__) /* says so of its own intrinsics, whose unused operands are left undefined */
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
 #endif
 
 /* V: V_W doubles. A tile of V_TILE_V vectors by V_TILE_N columns stays in registers beside its operands; so does a
@@ -1245,9 +1248,9 @@ typedef struct yci_kernels {
 #define V_COUNT _mm512_setr_pd(0, 1, 2, 3, 4, 5, 6, 7)
 #define V_LOAD_PART(p, n) _mm512_maskz_loadu_pd((__mmask8)((1u << (n)) - 1u), p)
 #define V_ABS(a) _mm512_abs_pd(a)
-#define V_MAX(a, b) _mm512_maskz_max_pd((__mmask8)255, a, b)
+#define V_MAX(a, b) _mm512_max_pd(a, b)
 #define V_PICK(a, b, x, y) _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_GT_OQ), y, x)
-#define V_LANE(a, i) _mm512_maskz_permutexvar_pd((__mmask8)255, _mm512_set1_epi64(i), a)
+#define V_LANE(a, i) _mm512_permutexvar_pd(_mm512_set1_epi64(i), a)
 #define V_PUT(p, i, x) yci_put_avx512(p, i, x)
 /* A whole vector is stored, which loads behind it take from the store; a masked store, which a compiler would make of
  * this, has to reach the cache first. */
@@ -1971,6 +1974,8 @@ static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product
 
 #ifdef __clang__
 #pragma clang diagnostic pop
+#elif defined(__GNUC__)
+#pragma GCC diagnostic pop
 #endif
 #undef YCI_
 #undef YCI_TARGET
