@@ -154,7 +154,8 @@ enum {
     RIVALS
 };
 
-/* Followed by: LOAD: n + 1 of ptr and the entries of col, ll and ldl; or the n x n numbers of a dense matrix; then b. */
+/* After a command to load come n + 1 of ptr and the entries of col, ll and ldl, or the n x n numbers of a dense matrix;
+ * then b. */
 typedef struct command {
     int verb; /* 'L' load a matrix, 'M' measure */
     int rival;
