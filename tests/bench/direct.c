@@ -60,7 +60,7 @@ static const bench_case cases[] = {
     {"btb-jittered-100", MATRIX_MASS, 1, 10, 10, 1, {0.70, 0, 0.40, 0.60, 0.50}},
     {"btb-regular-1000", MATRIX_MASS, 0, 25, 40, 1, {0.70, 0, 0.25, 0.50, 0.45}},
     {"btb-jittered-1000", MATRIX_MASS, 1, 25, 40, 1, {0.70, 0, 0.25, 0.50, 0.45}},
-    {"btb-regular-10000", MATRIX_MASS, 0, 100, 100, 1, {0.65, 0, 0.22, 0.45, 0.40}},
+    {"btb-regular-10000", MATRIX_MASS, 0, 100, 100, 0, {0.65, 0, 0.22, 0.45, 0.40}},
     {"btb-jittered-10000", MATRIX_MASS, 1, 100, 100, 1, {0.65, 0, 0.22, 0.45, 0.40}},
     {"btb-regular-100000", MATRIX_MASS, 0, 250, 400, 0, {0.60, 0, 0.33, 0.40, 0.40}},
     {"btb-jittered-100000", MATRIX_MASS, 1, 250, 400, 0, {0.60, 0, 0.33, 0.40, 0.40}},
