@@ -57,7 +57,8 @@ bench-direct: NEEDS = echo 'int main() {}' | \
     echo 'int main() {}' | $(CXX) -x c++ - $(RIVALS) -o /dev/null
 
 format:
-	clang-format -i yarncloth.h $(wildcard examples/*.[ch] examples/*/*.[ch] tests/*.[ch] tests/*/*.[ch] tests/*/*/*.[ch] tests/*/*/*.cpp)
+	clang-format -i yarncloth.h $(wildcard examples/*.[ch] examples/*/*.[ch] tests/*.[ch] tests/*/*.[ch] \
+	    tests/*/*/*.[ch] tests/*/*/*.cpp)
 
 clean:
 	rm -rf build out

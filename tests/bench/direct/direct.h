@@ -47,11 +47,11 @@ enum { ANALYSE, FIRST, FACTOR, SOLVE1, SOLVE3, PHASES };
 
 #define NOT_MEASURED (-1.0)
 
-/* The functions return 0 for success. `state`: 0 nothing, 1 analysed, 2 with factor of half the matrix, 3 with factor
- * of the matrix. */
+/* The functions return 0 for success. `state`: 0 nothing or failed, 1 analysed, 2 with a factor of half the matrix, 3
+ * with a factor of the matrix. */
 typedef struct solver {
     int (*analyse)(struct solver *s);             /* timed, after release(s, 1) */
-    int (*renew)(struct solver *s);               /* not timed: leaves an analysis without numbers */
+    int (*renew)(struct solver *s);               /* not timed: to an analysis without numbers */
     void (*prepare)(struct solver *s);            /* not timed, before every factorisation; or NULL */
     int (*factor)(struct solver *s, int halved);  /* timed */
     int (*solve)(struct solver *s, int count);    /* timed: from the b of the matrix to a place of its own */
@@ -61,13 +61,11 @@ typedef struct solver {
 } solver;
 
 static inline int solver_run(solver *s, int phase) {
-    switch (phase) {
-    case ANALYSE: return s->analyse(s);
-    case FIRST: return s->factor(s, 1);
-    case FACTOR: return s->factor(s, 0);
-    case SOLVE1: return s->solve(s, 1);
-    default: return s->solve(s, RIGHT_SIDES);
-    }
+    int failed;
+    if (phase > FACTOR) return s->solve(s, phase == SOLVE1 ? 1 : RIGHT_SIDES);
+    failed = phase == ANALYSE ? s->analyse(s) : s->factor(s, phase == FIRST);
+    s->state = failed ? 0 : phase == ANALYSE ? 1 : phase == FIRST ? 2 : 3;
+    return failed;
 }
 
 /* What is done before each run of a phase, outside its time. */
@@ -119,24 +117,21 @@ static inline double solver_time(solver *s, int phase) {
     return HUGE_VAL;
 }
 
-/* One turn: measures the phases whose bits are set, doing what they need without measuring it. When FIRST takes longer
- * than `limit`, FACTOR is left out. HUGE_VAL: the solver failed there. */
-static inline void solver_measure(solver *s, unsigned phases, double limit, double seconds[PHASES]) {
+/* One turn: measures the phases whose bits are set, doing what they need without measuring it. HUGE_VAL:
+ * the solver failed there. */
+static inline void solver_measure(solver *s, unsigned phases, double seconds[PHASES]) {
     int p, failed = 0;
     for (p = 0; p < PHASES; p++) {
-        int wanted = (phases >> p & 1u) != 0, after = p == ANALYSE ? 1 : p == FIRST ? 2 : 3;
+        int wanted = (phases >> p & 1u) != 0;
         seconds[p] = NOT_MEASURED;
-        if (!phases) continue;
-        if (p == FACTOR && seconds[FIRST] > limit) continue;
-        if (!failed && wanted) {
+        if (phases >> p == 0) continue; /* nothing more is asked for */
+        if (failed && wanted) {
+            seconds[p] = HUGE_VAL;
+        } else if (wanted) {
             seconds[p] = solver_time(s, p);
             failed = seconds[p] == HUGE_VAL;
-            if (p <= FACTOR) s->state = failed ? 0 : after;
-        } else if (failed && wanted) {
-            seconds[p] = HUGE_VAL;
         } else if (!failed && ((p == ANALYSE && s->state < 1) || (p == FACTOR && s->state < 2))) {
             failed = (p == FACTOR && s->renew(s)) || solver_before(s, p) || solver_run(s, p);
-            s->state = failed ? 0 : after;
         }
     }
 }
@@ -159,13 +154,13 @@ enum {
     RIVALS
 };
 
-/* Followed by: LOAD: n + 1 of ptr and the entries of col, ll and ldl; or the n x n numbers of a dense matrix; then b. */
+/* After a command to load come n + 1 of ptr and the entries of col, ll and ldl, or the n x n numbers of a dense matrix;
+ * then b. */
 typedef struct command {
     int verb; /* 'L' load a matrix, 'M' measure */
     int rival;
     unsigned phases; /* none: let go of everything that this rival keeps */
     int solution;    /* send it after the answer, if there is one */
-    double limit;
     int n, dense;
 } command;
 

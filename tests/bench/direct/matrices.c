@@ -1,5 +1,6 @@
 /* The matrices of bench-direct: meshes and yarn grids of a given number of vertices, with values that make each matrix
  * definite by construction, as a sum of squares. */
+#define _POSIX_C_SOURCE 200809L /* NOLINT(bugprone-reserved-identifier): what POSIX prescribes */
 #include "direct.h"
 
 /* A symmetric matrix of blocks, lower triangle by rows. */
@@ -122,8 +123,9 @@ static void mesh_make(mesh *m, int jittered, int width, int height, uint64_t *se
     }
     for (k = 0; k < n; k++) {
         double *p = m->position[name[k]], most = jittered ? 0.3 : 0.0;
-        p[0] = (double)(k % width) + bench_random(seed, -most, most);
-        p[1] = (double)(k / width) + bench_random(seed, -most, most);
+        x = k % width, y = k / width;
+        p[0] = (double)x + bench_random(seed, -most, most);
+        p[1] = (double)y + bench_random(seed, -most, most);
         p[2] = bench_random(seed, -0.2, 0.2);
     }
     for (y = 0; y + 1 < height; y++)
@@ -200,7 +202,7 @@ static void make_cloth(matrix *out, const mesh *m, uint64_t *seed) {
     static const double ends[2] = {1.0, -1.0}, one = 1.0;
     blocks a;
     double d[3][3], unit[3] = {1.0, 0.0, 0.0};
-    int(*pair)[2] = (int(*)[2])bench_alloc((size_t)(m->pairs + m->hinges), sizeof *pair), k, i;
+    int(*pair)[2] = (int(*)[2])bench_alloc((size_t)m->pairs + (size_t)m->hinges, sizeof *pair), k, i;
     memcpy(pair, m->pair, (size_t)m->pairs * sizeof *pair);
     for (k = 0; k < m->hinges; k++) pair[m->pairs + k][0] = m->hinge[k][2], pair[m->pairs + k][1] = m->hinge[k][3];
     blocks_make(&a, m->n, 3, pair, m->pairs + m->hinges);

@@ -1,5 +1,5 @@
-/* The rivals of bench-direct, a program of its own because OpenBLAS reads its settings when it starts. It takes commands
- * on its input and answers on its output. Each rival is at its best: Eigen is compiled for this machine with all its
+/* The rivals of bench-direct, a program of its own because OpenBLAS reads its settings when it starts. It takes
+ * commands on its input and answers on its output. Each rival is at its best: Eigen is compiled for this machine with all its
  * instructions, CHOLMOD gets the triangle that it permutes fastest, workspaces are kept between solves.
  *
  * CHOLMOD opens a parallel region of four threads for every update of a supernode, whatever it is told, which makes it
@@ -35,9 +35,15 @@ struct loaded {
 loaded A;
 cholmod_common common;
 
+/* What makes a solver deletable. */
+struct base : solver {
+    base() : solver() {}
+    virtual ~base() {}
+};
+
 /* ---- CHOLMOD ----------------------------------------------------------------------------------------------------- */
 
-struct cholmod_rival : solver {
+struct cholmod_rival : base {
     int kind, ordering;
     cholmod_sparse matrix[2];
     cholmod_factor *symbolic, *factored;
@@ -115,7 +121,7 @@ solver *cholmod_make(int kind, int ordering) {
 
 typedef Eigen::SparseMatrix<double> sparse;
 
-template <class Factor> struct eigen_rival : solver {
+template <class Factor> struct eigen_rival : base {
     sparse matrix[2];
     Factor *factored;
     Eigen::MatrixXd right, x, y;
@@ -146,7 +152,7 @@ template <class Factor> struct eigen_run {
         delete self(s)->factored;
         self(s)->factored = nullptr, s->state = 0;
     }
-    static int renew(solver *s) { return release(s, 1), analyse(s); }
+    static int renew(solver *s) { return s->state == 1 ? 0 : (release(s, 1), analyse(s)); }
     static int factor(solver *s, int halved) {
         self(s)->factored->factorize(self(s)->matrix[halved]);
         return self(s)->factored->info() != Eigen::Success;
@@ -176,7 +182,7 @@ template <class Factor> struct eigen_run {
 
 /* ---- dense: both factor in place, and the copy before it is not counted ------------------------------------------ */
 
-struct openblas_rival : solver {
+struct openblas_rival : base {
     std::vector<double> factored, x;
     std::vector<int> pivots;
 };
@@ -214,7 +220,7 @@ struct openblas_run {
 
 typedef Eigen::PartialPivLU<Eigen::Ref<Eigen::MatrixXd>> eigen_lu;
 
-struct eigen_dense_rival : solver {
+struct eigen_dense_rival : base {
     Eigen::MatrixXd store, right, x;
     eigen_lu *factored;
     int last;
@@ -289,12 +295,15 @@ void halve(std::vector<double> *values) {
     for (double &v : values[1]) v *= 0.5;
 }
 
+void forget(solver *&s) {
+    if (s) s->release(s, 1);
+    delete static_cast<base *>(s);
+    s = nullptr;
+}
+
 void load(const command &c) {
     size_t n = static_cast<size_t>(c.n);
-    for (solver *&s : rival) {
-        if (s) s->release(s, 1);
-        s = nullptr; /* a few hundred bytes a matrix */
-    }
+    for (solver *&s : rival) forget(s);
     A = loaded();
     A.n = c.n, A.dense = c.dense;
     if (c.dense) {
@@ -347,18 +356,28 @@ int threads() {
     return folder ? count - 2 : 1;
 }
 
-/* The numbers of a rival that is still measured in FACTOR are let go after its turn, so that only one such factor is in
- * memory at a time; a rival that is in the race for its solves alone keeps them. */
+/* The numbers of a rival that was measured in FACTOR are let go after its turn, so that only one such factor is in
+ * memory at a time; a rival that is in the race for its solves alone keeps them. Analyses after the first turn leave
+ * untouched what is kept. */
 void measure(const command &c) {
     answer a = answer();
     solver *&s = rival[c.rival];
+    unsigned phases = c.phases;
+    double analyse = NOT_MEASURED;
     if (!s) s = make(c.rival);
-    solver_measure(s, c.phases, c.limit, a.seconds);
+    if (s->state && (phases >> ANALYSE & 1u)) {
+        solver *other = make(c.rival);
+        solver_measure(other, 1u << ANALYSE, a.seconds);
+        analyse = a.seconds[ANALYSE], phases &= ~(1u << ANALYSE);
+        forget(other);
+    }
+    solver_measure(s, phases, a.seconds);
+    if (analyse != NOT_MEASURED) a.seconds[ANALYSE] = analyse;
     a.solution = c.solution && s->state == 3 && a.seconds[SOLVE3] >= 0.0 && a.seconds[SOLVE3] < HUGE_VAL;
     a.threads = threads();
     give(&a, sizeof a);
     if (a.solution) give(s->solution(s), static_cast<size_t>(A.n) * RIGHT_SIDES * sizeof(double));
-    if (!c.phases) s->release(s, 1);
+    if (!c.phases) forget(s);
     else if (c.phases >> FACTOR & 1u) s->release(s, 0);
 }
 
