@@ -1319,10 +1319,6 @@ static void yci_corner_backward(int n, const unsigned char *dim, const double *w
 #endif /* of what is read once */
 
 #ifdef YCI_ISA   /* ---- read once per instruction set, until the line that says so ---- */
-#ifdef __clang__ /* where it cannot unroll, it need not say so */
-#pragma clang diagnostic push
-#pragma clang diagnostic ignored "-Wpass-failed"
-#endif
 
 #ifdef __clang__ /* says so of loops that it does unroll, in another place */
 #pragma clang diagnostic push
@@ -2262,9 +2258,6 @@ static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product
 #undef V_LANE
 #undef V_PUT
 #undef V_PANEL
-#ifdef __clang__
-#pragma clang diagnostic pop
-#endif
 #endif /* ---- what is read once per instruction set ---- */
 
 #if defined(YCI_ISA) && YCI_ISA == 0 /* the rest is read once again */
