@@ -1194,13 +1194,11 @@ typedef struct yci_expansion {
 
 /* The columns of L that one front gives, height x width. Row i of them is unknown first + i of y where i < width, and
  * then row[i - width], of which there are YCI_OVERREAD - 1 more that name a spare entry of y. Diagonal blocks of
- * YCI_PANEL columns hold reciprocals on the diagonal, and the columns below it divided by it; with `dim` not NULL they
- * are those of yci_panel_indefinite, back[i] being the width of the one that ends at column i. */
+ * YCI_PANEL columns hold reciprocals on the diagonal, and below it what is there divided by the column's diagonal. */
 typedef struct yci_trapezoid {
     const double *l;
     int first, width, height;
     const int *row;
-    const unsigned char *dim, *back;
 } yci_trapezoid;
 
 typedef struct yci_kernels {
@@ -1248,42 +1246,6 @@ typedef struct yci_kernels {
         int n, const double *f, size_t ld, const double *inverse, double *x, size_t ldx, int count);
 } yci_kernels;
 
-/* Columns of the whole nodes, the first with dim[0] unknowns, that make up the next panel of at most n columns. */
-static int yci_panel_nodes(const unsigned char *dim, int n) {
-    int columns = dim[0];
-    while (columns < n && columns + dim[columns] <= YCI_PANEL) columns += dim[columns];
-    return columns;
-}
-
-/* x := inverse(D) inverse(L) x for a panel of whole nodes: W = L D below its diagonal blocks, inverse(D) in them. */
-static void yci_corner_forward(int n, const unsigned char *dim, const double *w, size_t ld, double *x) {
-    int i, j, a, b, d;
-    for (j = 0; j < n; j += d, w += (size_t)d * ld) {
-        double t[YCI_BLOCK_MAX];
-        d = dim[j];
-        for (a = 0; a < d; a++)
-            for (t[a] = 0.0, b = 0; b < d; b++) t[a] += w[(size_t)b * ld + (size_t)(j + a)] * x[j + b];
-        for (a = 0; a < d; a++) {
-            x[j + a] = t[a];
-            for (i = j + d; i < n; i++) x[i] -= w[(size_t)a * ld + (size_t)i] * t[a];
-        }
-    }
-}
-
-/* x := inverse(L') (x - inverse(D) s). */
-static void yci_corner_backward(int n, const unsigned char *dim, const double *w, size_t ld, double *x, double *s) {
-    int i, j = n, a, b, d;
-    while (j > 0) {
-        const double *own;
-        for (j--; dim[j] == 0;) j--;
-        d = dim[j], own = w + (size_t)j * ld;
-        for (a = 0; a < d; a++)
-            for (i = j + d; i < n; i++) s[j + a] += own[(size_t)a * ld + (size_t)i] * x[i];
-        for (a = 0; a < d; a++)
-            for (b = 0; b < d; b++) x[j + a] -= own[(size_t)b * ld + (size_t)(j + a)] * s[j + b];
-    }
-}
-
 /* The kernels are written once, on vectors, and compiled once per instruction set: for two of x86-64, which are used
  * where the processor has them whatever the compiler was told, and for what the compiler was told. To that end the file
  * includes itself: define YC_SELF as its name where that is not yarncloth.h. YC_NO_SIMD leaves plain C alone. */
@@ -1318,7 +1280,7 @@ static void yci_corner_backward(int n, const unsigned char *dim, const double *w
 #define YCI_ISA 0
 #endif /* of what is read once */
 
-#ifdef YCI_ISA   /* ---- read once per instruction set, until the line that says so ---- */
+#ifdef YCI_ISA /* ---- read once per instruction set, until the line that says so ---- */
 
 #ifdef __clang__ /* says so of loops that it does unroll, in another place */
 #pragma clang diagnostic push
@@ -1694,13 +1656,8 @@ YCI_TARGET YCI_INLINE void YCI_(yci_forward_some)(const yci_trapezoid *s, double
         const double *l = s->l + (size_t)j * (ld + 1);
         double *x = own + j;
         int later;
-        if (s->dim) {
-            n = yci_panel_nodes(s->dim + j, s->width - j);
-            for (r = 0; r < count; r++) yci_corner_forward(n, s->dim + j, l, ld, x + (size_t)r * ldy);
-        } else {
-            n = yci_min_int(YCI_PANEL, s->width - j);
-            YCI_CASES(n, YCI_(yci_triangle_forward), l, ld, x, ldy, count)
-        }
+        n = yci_min_int(YCI_PANEL, s->width - j);
+        YCI_CASES(n, YCI_(yci_triangle_forward), l, ld, x, ldy, count)
         later = s->width - j - n;
         for (i = 0; i < later; i += V_W) {
             V sum[4][YCI_RIGHT];
@@ -1796,21 +1753,13 @@ YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
     for (j = s->width; j > 0;) {
         double sum[YCI_RIGHT * YCI_PANEL];
         const double *l, *x;
-        n = s->dim ? s->back[j - 1] : (j - 1) % YCI_PANEL + 1;
+        n = (j - 1) % YCI_PANEL + 1;
         j -= n, l = s->l + (size_t)j * (ld + 1), x = y + s->first + j;
         for (i = 0; i < n; i += 4)
             YCI_(yci_columns)(n - i, s->height - j - n, l + n + (size_t)i * ld, ld, z + j + n, ldz, sum + i, count);
-        if (s->dim)
-            for (r = 0; r < count; r++) {
-                double *to = z + (size_t)r * ldz + j;
-                for (i = 0; i < n; i++) to[i] = x[(size_t)r * ldy + (size_t)i];
-                yci_corner_backward(n, s->dim + j, l, ld, to, sum + YCI_PANEL * r);
-            }
-        else {
-            YCI_CASES(n, YCI_(yci_triangle_backward), l, ld, x, ldy, sum, count)
-            for (r = 0; r < count; r++)
-                for (i = 0; i < n; i++) z[(size_t)r * ldz + (size_t)(j + i)] = sum[YCI_PANEL * r + i];
-        }
+        YCI_CASES(n, YCI_(yci_triangle_backward), l, ld, x, ldy, sum, count)
+        for (r = 0; r < count; r++)
+            for (i = 0; i < n; i++) z[(size_t)r * ldz + (size_t)(j + i)] = sum[YCI_PANEL * r + i];
     }
     for (r = 0; r < count; r++)
         for (i = 0; i < s->width; i++) y[(size_t)r * ldy + (size_t)(s->first + i)] = z[(size_t)r * ldz + (size_t)i];
@@ -2318,51 +2267,59 @@ static int yci_panel_cholesky(const yci_kernels *kernel, int m, int n, double *f
     return -1;
 }
 
-/* The same for an indefinite front whose pivots are the blocks of whole nodes: L D L'. The columns receive W = L D,
- * their diagonal blocks inverse(D); `scaled` (of the same layout) receives L below the blocks. `reference` holds the
- * blocks before anything was subtracted. A block without an inverse has shift * |its own diagonal| added to its
- * diagonal, away from zero, and is counted in *repaired; with shift 0 it ends the factorisation. */
+/* Columns of the whole nodes, the first with dim[0] unknowns, that make up the next panel of at most n columns. */
+static int yci_panel_nodes(const unsigned char *dim, int n) {
+    int columns = dim[0];
+    while (columns < n && columns + dim[columns] <= YCI_PANEL) columns += dim[columns];
+    return columns;
+}
+
+/* The same for an indefinite front whose pivots are the blocks of whole nodes, L D L' with unit blocks on the diagonal of
+ * L. `pivot` holds these blocks one after the other, before anything was subtracted; they become their inverses. `scaled`
+ * (of the same layout) receives L D below the panels. A block without an inverse has `shift` added to its diagonal, away
+ * from zero, and is counted in *repaired; with shift 0 it ends the factorisation. */
 static int yci_panel_indefinite(const yci_kernels *kernel, int m, int n, double *f, size_t ld, const unsigned char *dim,
-    const double *reference, double shift, double *scaled, int *repaired) {
+    double *pivot, double shift, double *scaled, int *repaired) {
     static const double ones[YCI_PANEL] = {1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0};
     int begin, width, j, i, k, a, b, d;
     for (begin = 0; begin < n; begin += width) {
-        double g[YCI_PANEL * YCI_PANEL] = {0.0}, minus[YCI_PANEL * YCI_PANEL] = {0.0},
-                             *corner = f + (size_t)begin * (ld + 1);
+        double g[YCI_PANEL * YCI_PANEL] = {0.0}, minus[YCI_PANEL * YCI_PANEL] = {0.0};
+        double *corner = f + (size_t)begin * (ld + 1), *w = scaled + (size_t)begin * ld + begin;
         width = yci_panel_nodes(dim + begin, n - begin);
         if (begin) kernel->product(width, width, begin, f + begin, ld, scaled + begin, ld, corner, ld, 1);
-        for (j = 0; j < width; j += d) {
+        for (j = 0; j < width; j += d, pivot += d * d) {
             double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX], inverse[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
-            double *own = corner + (size_t)j * (ld + 1);
             d = dim[begin + j];
             for (a = 0; a < d; a++)
-                for (b = 0; b <= a; b++) block[a * d + b] = block[b * d + a] = own[(size_t)b * ld + (size_t)a];
-            if (!(yci_block_invert(d, block, reference, inverse) > 0.0)) {
-                if (!yci_block_repair(d, block, reference, shift, inverse)) return begin + j;
+                for (b = 0; b <= a; b++)
+                    block[a * d + b] = block[b * d + a] = corner[(size_t)(j + b) * ld + (size_t)(j + a)];
+            if (!(yci_block_invert(d, block, pivot, inverse) > 0.0)) {
+                if (!yci_block_repair(d, block, pivot, shift, inverse)) return begin + j;
                 ++*repaired;
             }
-            reference += d * d;
             for (a = 0; a < d; a++)
                 for (b = 0; b < d; b++) {
-                    own[(size_t)b * ld + (size_t)a] = inverse[a * d + b];
+                    pivot[a * d + b] = inverse[a * d + b];
                     minus[YCI_PANEL * (j + b) + j + a] = -inverse[a * d + b];
                 }
             for (i = j + d; i < width; i++) { /* L of the panel's later rows, and what it takes from them */
-                for (a = 0; a < d; a++) {
-                    double sum = 0.0;
-                    for (b = 0; b < d; b++) sum += corner[(size_t)(j + b) * ld + (size_t)i] * inverse[b * d + a];
-                    g[YCI_PANEL * (j + a) + i] = sum;
-                }
+                for (a = 0; a < d; a++)
+                    for (b = 0; b < d; b++)
+                        g[YCI_PANEL * (j + a) + i] += corner[(size_t)(j + b) * ld + (size_t)i] * inverse[b * d + a];
                 for (k = j + d; k <= i; k++)
                     for (a = 0; a < d; a++)
                         corner[(size_t)k * ld + (size_t)i] -=
                             g[YCI_PANEL * (j + a) + i] * corner[(size_t)(j + a) * ld + (size_t)k];
             }
         }
-        kernel->strips(
-            m - begin - width, width, begin, f + begin + width, ld, scaled + begin, ld, g, ones, corner + width, ld);
-        kernel->product(m - begin - width, width, width, corner + width, ld, minus, YCI_PANEL,
-            scaled + (size_t)begin * ld + begin + width, ld, 0);
+        k = m - begin - width;
+        kernel->strips(k, width, begin, f + begin + width, ld, scaled + begin, ld, g, ones, corner + width, ld);
+        for (j = 0; j < width; j++) {
+            corner[(size_t)j * ld + (size_t)j] = 1.0;
+            for (i = j + 1; i < width; i++) corner[(size_t)j * ld + (size_t)i] = g[YCI_PANEL * j + i];
+            memcpy(w + (size_t)j * ld + width, corner + (size_t)j * ld + width, (size_t)k * sizeof *w);
+        }
+        kernel->product(k, width, width, w + width, ld, minus, YCI_PANEL, corner + width, ld, 0);
     }
     return -1;
 }
@@ -3626,6 +3583,7 @@ typedef struct yci_ldl_super {
     int region, side;         /* where its update matrix lives: task (or their number), and end of its region */
     int shift;                /* first row of the update matrix: width, rounded down to a chunk */
     int repaired;             /* pivot blocks that the last factorisation had to shift */
+    int pivot;                /* where its diagonal blocks begin */
     size_t panel, update, ld; /* where panel (height x width) and update matrix begin, and the latter's stride */
 } yci_ldl_super;
 
@@ -3635,16 +3593,15 @@ typedef struct yci_ldl {
     const yci_kernels *kernels;
     int spd, size, supers;
     int factored, pivots, tallest; /* columns factored; rows of the highest front */
-    int *order;                    /* nodes: the node eliminated k-th */
     int *unknown;                  /* size: the caller's number of each unknown */
     unsigned char *dim;            /* size: unknowns of the node that begins here; 0 inside a node */
-    unsigned char *back;           /* size: columns of the panel that ends here; NULL when spd */
     yci_ldl_super *super;          /* supers + 1 */
     int *row, *rel, *chunk;
     yci_ldl_run *run;
-    double *panel, *update;     /* L, and the update matrices alive */
-    double *reference, *scaled; /* a front's pivots before anything is subtracted; L D of its columns: one per task */
-    size_t reference_size, scaled_size, update_size;
+    double *panel, *update; /* L, and the update matrices alive */
+    double *pivot;          /* the nodes' diagonal blocks (spd: the diagonal), and then the inverses of D */
+    double *scaled;         /* L D of a front's columns, for each task; empty when spd */
+    size_t pivot_size, scaled_size, update_size;
     int (*task)[2], tasks; /* ranges of supernodes that are whole subtrees, for parallel factorisation */
     double shift;          /* added to the diagonal of a pivot block without an inverse; 0: it fails */
     double nonzeros, flops;
@@ -3654,9 +3611,9 @@ static void yci_ldl_destroy(yci_ldl *f) {
     yci_context *c;
     if (!f) return;
     c = f->c;
-    yci_free(c, f->unknown), yci_free(c, f->dim), yci_free(c, f->back), yci_free(c, f->super), yci_free(c, f->row);
+    yci_free(c, f->unknown), yci_free(c, f->dim), yci_free(c, f->super), yci_free(c, f->row);
     yci_free(c, f->rel), yci_free(c, f->chunk), yci_free(c, f->run), yci_free(c, f->panel), yci_free(c, f->update);
-    yci_free(c, f->reference), yci_free(c, f->scaled), yci_free(c, f->task);
+    yci_free(c, f->pivot), yci_free(c, f->scaled), yci_free(c, f->task);
     yci_free(c, f);
 }
 
@@ -4012,7 +3969,7 @@ static void yci_ldl_maps(yci_ldl *f, int *where) {
 static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, int run_count) {
     yci_context *c = f->c;
     size_t n = (size_t)f->size, node_rows = 0, rows = 0, chunks = 0;
-    int *block, *rank, *super_at, *where, *begin, *node_row, *sorted, s, i, k, a, at = 0, widest = 0;
+    int *block, *rank, *super_at, *where, *begin, *node_row, *sorted, s, i, k, a, at = 0;
     f->supers = t->groups;
     for (s = 0; s < f->supers; s++) {
         node_rows += (size_t)t->group[s];
@@ -4024,8 +3981,7 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
     f->unknown = YCI_RAW(c, int, n), f->dim = YCI_NEW(c, unsigned char, n);
     f->row = YCI_RAW(c, int, rows), f->rel = YCI_RAW(c, int, rows);
     f->run = YCI_RAW(c, yci_ldl_run, run_count);
-    if (!f->spd) f->back = YCI_RAW(c, unsigned char, n);
-    if ((f->spd || f->back) && f->super && f->task && block && f->unknown && f->dim && f->row && f->rel && f->run) {
+    if (f->super && f->task && block && f->unknown && f->dim && f->row && f->rel && f->run) {
         rank = block, super_at = rank + n, where = super_at + n, begin = where + n;
         node_row = begin + f->supers + 1, sorted = node_row + node_rows;
         yci_ldl_measure(f, t);
@@ -4043,15 +3999,14 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
             for (k = begin[s]; k < begin[s + 1]; k++)
                 for (a = 0, i = t->next[node_row[k]]; a < t->dim[t->node[node_row[k]]]; a++) f->row[at++] = i + a;
             for (a = 1; a < YCI_OVERREAD; a++) f->row[at++] = f->size;
-            if (u->width > widest) widest = u->width;
             if (u->parent >= 0 && at > u->row) chunks += (size_t)f->super[u->parent].height / 8 + 1;
         }
         f->super[s].row = at;
-        for (s = 0; s < f->supers && f->back; s++)
-            for (k = 0; k < f->super[s].width; k += a) {
-                const unsigned char *dim = f->dim + f->super[s].first + k;
-                a = yci_panel_nodes(dim, f->super[s].width - k), f->back[dim - f->dim + a - 1] = (unsigned char)a;
-            }
+        for (s = 0, k = 0; s < f->supers; s++) {
+            f->super[s].pivot = k;
+            for (i = f->super[s].first; i < f->super[s + 1].first; i++) k += f->spd ? 1 : f->dim[i] * f->dim[i];
+        }
+        f->pivot_size = (size_t)k;
         yci_ldl_cut(f);
         f->update_size = yci_ldl_place_updates(f);
         yci_ldl_sort_runs(f, run, run_count, rank, super_at);
@@ -4059,7 +4014,6 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
         if (f->chunk) yci_ldl_maps(f, where);
     }
     yci_free(c, block);
-    f->reference_size = (size_t)widest * (f->spd ? 1 : YCI_BLOCK_MAX);
     f->scaled_size = f->spd ? 0 : (size_t)(f->tallest + YCI_OVERREAD) * YCI_LDL_STEP;
     return f->chunk != NULL;
 }
@@ -4151,9 +4105,9 @@ static void yci_ldl_extend(const yci_ldl *f, const yci_ldl_super *child, const y
     f->kernels->expand(&e);
 }
 
-/* Fills the panel of a supernode: its own values, and what its children leave in its columns. Keeps what its pivots are
- * before anything is subtracted from them. */
-static void yci_ldl_assemble(const yci_ldl *f, const yci_ldl_super *s, const double *value, double *reference) {
+/* Fills the panel of a supernode: its own values, and what its children leave in its columns. Keeps its diagonal
+ * blocks before anything is subtracted from them. */
+static void yci_ldl_assemble(const yci_ldl *f, const yci_ldl_super *s, const double *value, double *pivot) {
     double *panel = f->panel + s->panel;
     size_t h = (size_t)s->height;
     int k, i, a, b, d, child, runs = f->super[f->supers].run;
@@ -4169,7 +4123,7 @@ static void yci_ldl_assemble(const yci_ldl *f, const yci_ldl_super *s, const dou
         const double *corner = panel + (size_t)i * (h + 1);
         d = f->spd ? 1 : f->dim[s->first + i];
         for (a = 0; a < d; a++)
-            for (b = 0; b < d; b++) *reference++ = corner[a > b ? b * (int)h + a : a * (int)h + b];
+            for (b = 0; b < d; b++) *pivot++ = corner[a > b ? b * (int)h + a : a * (int)h + b];
     }
     for (child = s->child; child >= 0; child = f->super[child].next) yci_ldl_extend(f, f->super + child, s, 0);
 }
@@ -4212,9 +4166,9 @@ static int yci_ldl_front(yci_ldl *f, int index, const double *value, int alone) 
     yci_ldl_super *s = f->super + index;
     yci_ldl_trail t;
     size_t h = (size_t)s->height, slot = (size_t)s->region;
-    double *reference = f->reference + slot * f->reference_size;
+    double *pivot = f->pivot + s->pivot;
     int i, items, child, bad;
-    yci_ldl_assemble(f, s, value, reference);
+    yci_ldl_assemble(f, s, value, pivot);
     t.f = f, t.s = s, s->repaired = 0;
     for (t.begin = t.end = 0; t.begin < s->width; t.begin = t.end) {
         double *corner = f->panel + s->panel + (size_t)t.begin * (h + 1);
@@ -4222,16 +4176,17 @@ static int yci_ldl_front(yci_ldl *f, int index, const double *value, int alone) 
         if (f->spd) {
             t.end = s->width - t.begin > YCI_LDL_STEP ? t.begin + YCI_LDL_STEP : s->width;
             t.scaled = corner;
-            bad = yci_panel_cholesky(f->kernels, rows, t.end - t.begin, corner, h, reference + t.begin);
+            bad = yci_panel_cholesky(f->kernels, rows, t.end - t.begin, corner, h, pivot);
+            pivot += t.end - t.begin;
         } else {
-            double *scaled = f->scaled + slot * f->scaled_size;
-            for (i = t.begin; i < s->width && i + f->dim[s->first + i] - t.begin <= YCI_LDL_STEP;)
-                i += f->dim[s->first + i];
+            const unsigned char *dim = f->dim + s->first;
+            double *scaled = f->scaled + slot * f->scaled_size, *next = pivot;
+            for (i = t.begin; i < s->width && i + dim[i] - t.begin <= YCI_LDL_STEP; i += dim[i])
+                next += dim[i] * dim[i];
             t.end = i, t.scaled = scaled;
-            bad = yci_panel_indefinite(f->kernels, rows, t.end - t.begin, corner, h, f->dim + s->first + t.begin,
-                reference, f->shift, scaled, &s->repaired);
-            for (i = t.begin; i < t.end; i += f->dim[s->first + i])
-                reference += f->dim[s->first + i] * f->dim[s->first + i];
+            bad = yci_panel_indefinite(
+                f->kernels, rows, t.end - t.begin, corner, h, dim + t.begin, pivot, f->shift, scaled, &s->repaired);
+            pivot = next;
         }
         if (bad >= 0) return s->first + t.begin + bad;
         t.group = s->height - t.end > 256 ? 32 : 8;
@@ -4283,12 +4238,12 @@ static int yci_ldl_room(yci_ldl *f) {
     size_t sets = (size_t)f->tasks + 1;
     if (f->panel) return 1;
     f->update = YCI_RAW(f->c, double, f->update_size + YCI_OVERREAD);
-    f->reference = YCI_RAW(f->c, double, sets * f->reference_size);
+    f->pivot = YCI_RAW(f->c, double, f->pivot_size);
     f->scaled = YCI_RAW(f->c, double, sets * f->scaled_size);
-    if (f->update && f->reference && f->scaled) f->panel = YCI_RAW(f->c, double, f->super[f->supers].panel);
+    if (f->update && f->pivot && f->scaled) f->panel = YCI_RAW(f->c, double, f->super[f->supers].panel);
     if (f->panel) return 1;
-    yci_free(f->c, f->update), yci_free(f->c, f->reference), yci_free(f->c, f->scaled);
-    f->update = f->reference = f->scaled = NULL;
+    yci_free(f->c, f->update), yci_free(f->c, f->pivot), yci_free(f->c, f->scaled);
+    f->update = f->pivot = f->scaled = NULL;
     return 0;
 }
 
@@ -4319,8 +4274,27 @@ static yci_trapezoid yci_ldl_trapezoid(const yci_ldl *f, int s) {
     const yci_ldl_super *u = f->super + s;
     yci_trapezoid t;
     t.l = f->panel + u->panel, t.first = u->first, t.width = u->width, t.height = u->height, t.row = f->row + u->row;
-    t.dim = f->spd ? NULL : f->dim + u->first, t.back = f->spd ? NULL : f->back + u->first;
     return t;
+}
+
+/* y := inverse(D) y. */
+static void yci_ldl_divide(const yci_ldl *f, double *y) {
+    const double *inverse = f->pivot;
+    int i, a, b, d;
+    for (i = 0; i < f->size; i += d, inverse += d * d) {
+        d = f->dim[i];
+        if (d == 1) y[i] *= inverse[0];
+        else if (d == 2) {
+            double first = y[i], second = y[i + 1];
+            y[i] = inverse[0] * first + inverse[1] * second;
+            y[i + 1] = inverse[2] * first + inverse[3] * second;
+        } else {
+            double t[YCI_BLOCK_MAX];
+            for (a = 0; a < d; a++) t[a] = y[i + a], y[i + a] = 0.0;
+            for (a = 0; a < d; a++)
+                for (b = 0; b < d; b++) y[i + a] += inverse[a * d + b] * t[b];
+        }
+    }
 }
 
 /* x := inverse(A) x for at most YCI_RIGHT right-hand sides x[r * ldx + i] in the caller's numbering. Needs a factor;
@@ -4338,7 +4312,11 @@ static void yci_ldl_solve_some(const yci_ldl *f, double *x, int count, size_t ld
         yci_trapezoid t = yci_ldl_trapezoid(f, s);
         f->kernels->forward(&t, work, ldy, count);
     }
-    for (r = 0; r < count; r++) work[(size_t)r * ldy + (size_t)f->size] = 0.0;
+    for (r = 0; r < count; r++) {
+        double *y = work + (size_t)r * ldy;
+        y[f->size] = 0.0;
+        if (!f->spd) yci_ldl_divide(f, y);
+    }
     for (s = f->supers - 1; s >= 0; s--) {
         yci_trapezoid t = yci_ldl_trapezoid(f, s);
         f->kernels->backward(&t, work, ldy, count, z, ldz);
