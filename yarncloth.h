@@ -1115,13 +1115,28 @@ YC_FN void yci_block_equilibrate(int n, const double *a, double *s) {
     for (i = 0; i < n; i++) s[i] = sqrt(t[0][i]) * sqrt(t[1][i]);
 }
 
+/* The inverse of a symmetric block of two rows that is far from singular, measured as yci_block_invert does: its
+ * determinant beside the larger of the two products that it is the difference of. Returns half the quotient, which the
+ * smallest pivot is not below, or 0 where that is in doubt. */
+YC_FN double yci_block_invert_pair(const double *a, const double *reference, double *inverse) {
+    double x = yci_max(fabs(a[0]), fabs(reference[0])), y = yci_max(fabs(a[1]), fabs(reference[1]));
+    double z = yci_max(fabs(a[3]), fabs(reference[3])), most = yci_max(x * z, y * y);
+    double determinant = a[0] * a[3] - a[1] * a[1], factor = 1.0 / determinant;
+    inverse[0] = a[3] * factor, inverse[1] = inverse[2] = -a[1] * factor, inverse[3] = a[0] * factor;
+    return most > DBL_MIN / DBL_EPSILON && most <= DBL_MAX && fabs(determinant) > 1e-6 * most
+        ? 0.5 * fabs(determinant) / most
+        : 0.0;
+}
+
 /* The inverse of a symmetric block that may be indefinite, by Gauss-Jordan elimination with complete pivoting on the
  * equilibrated block. `reference` (n x n) holds the block before anything was subtracted from it, so that one that
- * cancelled to rounding error is seen as singular. Returns the smallest pivot of the equilibrated block, 0 when it is
- * singular to working precision or not finite; `inverse` is then meaningless. */
+ * cancelled to rounding error is seen as singular. Returns the smallest pivot of the equilibrated block (or a bound
+ * from below), 0 when it is singular to working precision or not finite; `inverse` is then meaningless. */
 YC_FN double yci_block_invert(int n, const double *a, const double *reference, double *inverse) {
-    double m[YCI_BLOCK_MAX * YCI_BLOCK_MAX], s[YCI_BLOCK_MAX], smallest = 1.0;
+    double m[YCI_BLOCK_MAX * YCI_BLOCK_MAX], s[YCI_BLOCK_MAX], smallest;
     int row_of[YCI_BLOCK_MAX], column_of[YCI_BLOCK_MAX], i, j, step; /* pivots, by column and by row */
+    if (n == 2 && (smallest = yci_block_invert_pair(a, reference, inverse)) > 0.0) return smallest;
+    smallest = 1.0;
     for (i = 0; i < n * n; i++) m[i] = yci_max(fabs(reference[i]), fabs(a[i]));
     yci_block_equilibrate(n, m, s);
     for (i = 0; i < n; i++)
