@@ -1232,7 +1232,7 @@ typedef struct yci_kernels {
 
     /* Solves with one front of a sparse factor, in place on y: `count` arrays, at most YCI_RIGHT, of ldy numbers. `z` is
      * work for the backward solve, ldz >= height + YCI_OVERREAD. */
-    void (*forward)(const yci_trapezoid *s, double *y, size_t ldy, int count);
+    void (*forward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
     void (*backward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
     /* For LU. Sums of |A|'s columns are added to `sums`, in whole vectors; returns the largest |a[i * lda + j]|. A is
      * the only operand that ends where it ends. */
@@ -1583,7 +1583,7 @@ YCI_TARGET static void YCI_(yci_expand)(const yci_expansion *e) {
     for (; j < e->count; j++) YCI_(yci_expand_some)(1, e, j);
 }
 
-/* x := inverse(G) x and x := inverse(G') (x - s) for the diagonal block of a panel, x and s of count arrays. */
+/* x := inverse(G) x and z := inverse(G') (x - s) for the diagonal block of a panel, all of count arrays. */
 YCI_TARGET YCI_INLINE void YCI_(yci_triangle_forward)(
     int n, const double *g, size_t ld, double *x, size_t ldx, int count) {
     double v[YCI_RIGHT][YCI_PANEL];
@@ -1601,7 +1601,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_triangle_forward)(
 }
 
 YCI_TARGET YCI_INLINE void YCI_(yci_triangle_backward)(
-    int n, const double *g, size_t ld, const double *x, size_t ldx, double *s, int count) {
+    int n, const double *g, size_t ld, const double *x, size_t ldx, const double *s, double *z, size_t ldz, int count) {
     double v[YCI_RIGHT][YCI_PANEL];
     int i, j, r;
     YCI_UNROLL
@@ -1613,7 +1613,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_triangle_backward)(
     for (r = 0; r < count; r++) v[r][j] = V_FNMA1(g[(size_t)j * ld + (size_t)i], v[r][i], v[r][j]);
     YCI_UNROLL
     for (r = 0; r < count; r++) YCI_UNROLL
-    for (i = 0; i < n; i++) s[YCI_PANEL * r + i] = v[r][i];
+    for (i = 0; i < n; i++) z[(size_t)r * ldz + (size_t)i] = v[r][i];
 }
 
 /* Calls f(n, ...) with n as a constant. */
@@ -1649,11 +1649,11 @@ YCI_TARGET YCI_INLINE void YCI_(yci_rows)(
 
 /* y[row[i]] -= (A x)[i] for m rows of A, in whole vectors: rows beyond m go to the spare entry. */
 YCI_TARGET YCI_INLINE void YCI_(yci_scatter)(int vectors, int n, const double *a, size_t lda, const double *x,
-    const int *row, double *y, size_t ldy, int count) {
+    size_t ldx, const int *row, double *y, size_t ldy, int count) {
     V s[4][YCI_RIGHT];
     double lane[4 * V_W];
     int i, r;
-    YCI_(yci_rows)(s, vectors, n, a, lda, x, ldy, count);
+    YCI_(yci_rows)(s, vectors, n, a, lda, x, ldx, count);
     YCI_UNROLL
     for (r = 0; r < count; r++) {
         double *to = y + (size_t)r * ldy;
@@ -1663,44 +1663,55 @@ YCI_TARGET YCI_INLINE void YCI_(yci_scatter)(int vectors, int n, const double *a
     }
 }
 
-YCI_TARGET YCI_INLINE void YCI_(yci_forward_some)(const yci_trapezoid *s, double *y, size_t ldy, int count) {
+/* z := n numbers of x, and back; whole vectors of z are used. */
+YCI_TARGET YCI_INLINE void YCI_(yci_own)(int n, double *x, size_t ldx, double *z, size_t ldz, int back, int count) {
+    int i, r;
+    for (r = 0; r < count; r++, x += ldx, z += ldz) {
+        for (i = 0; i + V_W <= n; i += V_W)
+            if (back) V_STORE(x + i, V_LOAD(z + i));
+            else V_STORE(z + i, V_LOAD(x + i));
+        if (i == n) continue;
+        if (back) V_STORE_PART(x + i, V_LOAD(z + i), n - i);
+        else V_STORE(z + i, V_LOAD(x + i));
+    }
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_forward_some)(
+    const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
     size_t ld = (size_t)s->height;
-    double *own = y + s->first;
     int j, n, i, r, m = s->height - s->width;
+    YCI_(yci_own)(s->width, y + s->first, ldy, z, ldz, 0, count);
     for (j = 0; j < s->width; j += n) {
         const double *l = s->l + (size_t)j * (ld + 1);
-        double *x = own + j;
-        int later;
         n = yci_min_int(YCI_PANEL, s->width - j);
-        YCI_CASES(n, YCI_(yci_triangle_forward), l, ld, x, ldy, count)
-        later = s->width - j - n;
-        for (i = 0; i < later; i += V_W) {
+        YCI_CASES(n, YCI_(yci_triangle_forward), l, ld, z + j, ldz, count)
+        for (i = j + n; i < s->width; i += V_W) {
             V sum[4][YCI_RIGHT];
-            double *to = x + n + i;
-            YCI_(yci_rows)(sum, 1, n, l + n + i, ld, x, ldy, count);
+            YCI_(yci_rows)(sum, 1, n, l + (i - j), ld, z + j, ldz, count);
             YCI_UNROLL
-            for (r = 0; r < count; r++, to += ldy) {
-                V value = V_SUB(V_LOAD(to), sum[0][r]);
-                if (later - i < V_W) V_STORE_PART(to, value, later - i);
-                else V_STORE(to, value);
+            for (r = 0; r < count; r++) {
+                double *to = z + (size_t)r * ldz + i;
+                V_STORE(to, V_SUB(V_LOAD(to), sum[0][r]));
             }
         }
     }
+    YCI_(yci_own)(s->width, y + s->first, ldy, z, ldz, 1, count);
     for (j = 0; j < s->width; j += n) {
         const double *l = s->l + (size_t)j * ld + s->width;
         n = yci_min_int(s->width - j, 64);
         for (i = 0; m - i > 3 * V_W; i += 4 * V_W)
-            YCI_(yci_scatter)(4, n, l + i, ld, own + j, s->row + i, y, ldy, count);
-        for (; m - i > V_W; i += 2 * V_W) YCI_(yci_scatter)(2, n, l + i, ld, own + j, s->row + i, y, ldy, count);
-        if (m > i) YCI_(yci_scatter)(1, n, l + i, ld, own + j, s->row + i, y, ldy, count);
+            YCI_(yci_scatter)(4, n, l + i, ld, z + j, ldz, s->row + i, y, ldy, count);
+        for (; m - i > V_W; i += 2 * V_W) YCI_(yci_scatter)(2, n, l + i, ld, z + j, ldz, s->row + i, y, ldy, count);
+        if (m > i) YCI_(yci_scatter)(1, n, l + i, ld, z + j, ldz, s->row + i, y, ldy, count);
     }
 }
 
-YCI_TARGET static void YCI_(yci_forward)(const yci_trapezoid *s, double *y, size_t ldy, int count) {
-    if (count == 1) YCI_(yci_forward_some)(s, y, ldy, 1);
-    else if (count == 2) YCI_(yci_forward_some)(s, y, ldy, 2);
-    else if (count == 3) YCI_(yci_forward_some)(s, y, ldy, 3);
-    else YCI_(yci_forward_some)(s, y, ldy, 4);
+YCI_TARGET static void YCI_(yci_forward)(
+    const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
+    if (count == 1) YCI_(yci_forward_some)(s, y, ldy, 1, z, ldz);
+    else if (count == 2) YCI_(yci_forward_some)(s, y, ldy, 2, z, ldz);
+    else if (count == 3) YCI_(yci_forward_some)(s, y, ldy, 3, z, ldz);
+    else YCI_(yci_forward_some)(s, y, ldy, 4, z, ldz);
 }
 
 /* The sums over the lanes of four vectors. */
@@ -1772,12 +1783,9 @@ YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
         j -= n, l = s->l + (size_t)j * (ld + 1), x = y + s->first + j;
         for (i = 0; i < n; i += 4)
             YCI_(yci_columns)(n - i, s->height - j - n, l + n + (size_t)i * ld, ld, z + j + n, ldz, sum + i, count);
-        YCI_CASES(n, YCI_(yci_triangle_backward), l, ld, x, ldy, sum, count)
-        for (r = 0; r < count; r++)
-            for (i = 0; i < n; i++) z[(size_t)r * ldz + (size_t)(j + i)] = sum[YCI_PANEL * r + i];
+        YCI_CASES(n, YCI_(yci_triangle_backward), l, ld, x, ldy, sum, z + j, ldz, count)
     }
-    for (r = 0; r < count; r++)
-        for (i = 0; i < s->width; i++) y[(size_t)r * ldy + (size_t)(s->first + i)] = z[(size_t)r * ldz + (size_t)i];
+    YCI_(yci_own)(s->width, y + s->first, ldy, z, ldz, 1, count);
 }
 
 YCI_TARGET static void YCI_(yci_backward)(
@@ -4325,7 +4333,7 @@ static void yci_ldl_solve_some(const yci_ldl *f, double *x, int count, size_t ld
     }
     for (s = 0; s < f->supers; s++) {
         yci_trapezoid t = yci_ldl_trapezoid(f, s);
-        f->kernels->forward(&t, work, ldy, count);
+        f->kernels->forward(&t, work, ldy, count, z, ldz);
     }
     for (r = 0; r < count; r++) {
         double *y = work + (size_t)r * ldy;
