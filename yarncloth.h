@@ -1274,7 +1274,7 @@ typedef struct yci_kernels {
 #define YCI_INLINE static inline __attribute__((always_inline))
 #define YCI_PREFETCH(p) __builtin_prefetch(p)
 #else
-#define YCI_PREFETCH(p) ((void)0)
+#define YCI_PREFETCH(p) ((void)(p))
 #define YCI_UNROLL
 #define YCI_INLINE static inline
 #endif
@@ -1306,7 +1306,7 @@ typedef struct yci_kernels {
 #endif
 
 /* V: V_W doubles. A tile of V_TILE_V vectors by V_TILE_N columns stays in registers beside its operands; so does a
- * strip of V_STRIP_V vectors by YCI_PANEL columns. V_STORE_PART stores the first n numbers, 1 <= n <= V_W. */
+ * strip of V_STRIP_V vectors by YCI_PANEL columns, and so do V_COLUMNS sums for three right-hand sides. V_STORE_PART stores the first n numbers, 1 <= n <= V_W. */
 #if YCI_ISA == 512
 #define YCI_(name) name##_avx512
 #define YCI_TARGET __attribute__((target("avx512f,avx512dq,avx512vl,avx2,fma")))
@@ -1315,6 +1315,7 @@ typedef struct yci_kernels {
 #define V_TILE_V 3
 #define V_TILE_N 8
 #define V_STRIP_V 3
+#define V_COLUMNS 8
 #define V_SET(x) _mm512_set1_pd(x)
 #define V_LOAD(p) _mm512_loadu_pd(p)
 #define V_STORE(p, x) _mm512_storeu_pd(p, x)
@@ -1350,6 +1351,7 @@ YCI_TARGET static inline void yci_put_avx512(double *p, int i, V x) {
 #define V_TILE_V 3
 #define V_TILE_N 4
 #define V_STRIP_V 1
+#define V_COLUMNS 4
 #define V_SET(x) _mm256_set1_pd(x)
 #define V_LOAD(p) _mm256_loadu_pd(p)
 #define V_STORE(p, x) _mm256_storeu_pd(p, x)
@@ -1377,6 +1379,7 @@ YCI_TARGET static inline __m256i yci_first_lanes_avx2(int n) {
 #define V_TILE_V 3
 #define V_TILE_N 4
 #define V_STRIP_V 1
+#define V_COLUMNS 4
 #define V_ADD(a, b) ((a) + (b))
 #define V_SUB(a, b) ((a) - (b))
 #define V_MUL(a, b) ((a) * (b))
@@ -1441,7 +1444,7 @@ static inline yci_two yci_two_pick(yci_two a, yci_two b, yci_two x, yci_two y) {
 #ifdef YCI_GNU
 #define V_PREFETCH(p) __builtin_prefetch(p)
 #else
-#define V_PREFETCH(p) ((void)0)
+#define V_PREFETCH(p) ((void)(p))
 #endif
 
 /* One tile of C: n <= columns of them exist; the last of its vectors has `last` rows. */
@@ -1714,33 +1717,39 @@ YCI_TARGET static void YCI_(yci_forward)(
     else YCI_(yci_forward_some)(s, y, ldy, 4, z, ldz);
 }
 
-/* The sums over the lanes of four vectors. */
-YCI_TARGET YCI_INLINE void YCI_(yci_sums_of_four)(const V *s, double *sum) {
+/* The sums of V_W vectors in the lanes of one. */
+YCI_TARGET YCI_INLINE V YCI_(yci_sums)(const V *s) {
 #if YCI_ISA == 512
     __m512d a = _mm512_add_pd(_mm512_unpacklo_pd(s[0], s[1]), _mm512_unpackhi_pd(s[0], s[1]));
     __m512d b = _mm512_add_pd(_mm512_unpacklo_pd(s[2], s[3]), _mm512_unpackhi_pd(s[2], s[3]));
-    __m512d c = _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x44), _mm512_shuffle_f64x2(a, b, 0xee));
-    __m512d d = _mm512_add_pd(_mm512_shuffle_f64x2(c, c, 0xd8), _mm512_shuffle_f64x2(c, c, 0x8d));
-    _mm256_storeu_pd(sum, _mm512_castpd512_pd256(d));
+    __m512d c = _mm512_add_pd(_mm512_unpacklo_pd(s[4], s[5]), _mm512_unpackhi_pd(s[4], s[5]));
+    __m512d d = _mm512_add_pd(_mm512_unpacklo_pd(s[6], s[7]), _mm512_unpackhi_pd(s[6], s[7]));
+    a = _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x88), _mm512_shuffle_f64x2(a, b, 0xdd));
+    c = _mm512_add_pd(_mm512_shuffle_f64x2(c, d, 0x88), _mm512_shuffle_f64x2(c, d, 0xdd));
+    return _mm512_add_pd(_mm512_shuffle_f64x2(a, c, 0x88), _mm512_shuffle_f64x2(a, c, 0xdd));
+#elif YCI_ISA == 256
+    __m256d a = _mm256_add_pd(_mm256_unpacklo_pd(s[0], s[1]), _mm256_unpackhi_pd(s[0], s[1]));
+    __m256d b = _mm256_add_pd(_mm256_unpacklo_pd(s[2], s[3]), _mm256_unpackhi_pd(s[2], s[3]));
+    return _mm256_add_pd(_mm256_permute2f128_pd(a, b, 0x20), _mm256_permute2f128_pd(a, b, 0x31));
 #else
+    double lane[V_W], sum[V_W];
     int i, j;
-    YCI_UNROLL
-    for (j = 0; j < 4; j++) {
-        double lane[V_W];
+    for (j = 0; j < V_W; j++) {
         V_STORE(lane, s[j]);
         for (sum[j] = lane[0], i = 1; i < V_W; i++) sum[j] += lane[i];
     }
+    return V_LOAD(sum);
 #endif
 }
 
-/* sum[8 r + j] := the products of four columns of A, of which n exist, with m rows of z. */
+/* sum[8 r + j] := the products of V_COLUMNS columns of A, of which n exist, with m rows of z. */
 YCI_TARGET YCI_INLINE void YCI_(yci_columns)(
     int n, int m, const double *a, size_t lda, const double *z, size_t ldz, double *sum, int count) {
-    V s[YCI_RIGHT][4];
-    const double *column[4];
+    V s[YCI_RIGHT][V_COLUMNS];
+    const double *column[V_COLUMNS];
     int i, j, r;
     YCI_UNROLL
-    for (j = 0; j < 4; j++) {
+    for (j = 0; j < V_COLUMNS; j++) {
         column[j] = a + (size_t)(j < n ? j : 0) * lda;
         YCI_UNROLL
         for (r = 0; r < count; r++) s[r][j] = V_SET(0.0);
@@ -1750,7 +1759,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_columns)(
         YCI_UNROLL
         for (r = 0; r < count; r++) x[r] = V_LOAD(z + (size_t)r * ldz + i);
         YCI_UNROLL
-        for (j = 0; j < 4; j++) {
+        for (j = 0; j < V_COLUMNS; j++) {
             V y = V_LOAD(column[j] + i);
             V_PREFETCH(column[j] + i - YCI_AHEAD);
             YCI_UNROLL
@@ -1758,13 +1767,14 @@ YCI_TARGET YCI_INLINE void YCI_(yci_columns)(
         }
     }
     YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_(yci_sums_of_four)(s[r], sum + YCI_PANEL * r);
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (j = 0; j < V_COLUMNS; j += V_W) V_STORE(sum + YCI_PANEL * r + j, YCI_(yci_sums)(s[r] + j));
 }
 
 YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
     const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
     size_t ld = (size_t)s->height;
-    int j, n, i, r, m = s->height - s->width;
+    int j, n, i, r, m = s->height - s->width, some = count == 4 ? 2 : count; /* what the registers hold */
     for (r = 0; r < count; r++) {
         const double *from = y + (size_t)r * ldy;
         double *to = z + (size_t)r * ldz + s->width;
@@ -1781,8 +1791,11 @@ YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
         const double *l, *x;
         n = (j - 1) % YCI_PANEL + 1;
         j -= n, l = s->l + (size_t)j * (ld + 1), x = y + s->first + j;
-        for (i = 0; i < n; i += 4)
-            YCI_(yci_columns)(n - i, s->height - j - n, l + n + (size_t)i * ld, ld, z + j + n, ldz, sum + i, count);
+        for (i = 0; i < n; i += V_COLUMNS)
+            for (r = 0; r < count; r += some)
+                YCI_(yci_columns)
+                (n - i, s->height - j - n, l + n + (size_t)i * ld, ld, z + (size_t)r * ldz + j + n, ldz,
+                    sum + YCI_PANEL * r + i, some);
         YCI_CASES(n, YCI_(yci_triangle_backward), l, ld, x, ldy, sum, z + j, ldz, count)
     }
     YCI_(yci_own)(s->width, y + s->first, ldy, z, ldz, 1, count);
@@ -1974,31 +1987,6 @@ YCI_TARGET static void YCI_(yci_update)(
             else YCI_(yci_tile)(V_TILE_V, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
         }
     }
-}
-
-/* The sums of V_W vectors in the lanes of one. */
-YCI_TARGET YCI_INLINE V YCI_(yci_sums)(const V *s) {
-#if YCI_ISA == 512
-    __m512d a = _mm512_add_pd(_mm512_unpacklo_pd(s[0], s[1]), _mm512_unpackhi_pd(s[0], s[1]));
-    __m512d b = _mm512_add_pd(_mm512_unpacklo_pd(s[2], s[3]), _mm512_unpackhi_pd(s[2], s[3]));
-    __m512d c = _mm512_add_pd(_mm512_unpacklo_pd(s[4], s[5]), _mm512_unpackhi_pd(s[4], s[5]));
-    __m512d d = _mm512_add_pd(_mm512_unpacklo_pd(s[6], s[7]), _mm512_unpackhi_pd(s[6], s[7]));
-    a = _mm512_add_pd(_mm512_shuffle_f64x2(a, b, 0x88), _mm512_shuffle_f64x2(a, b, 0xdd));
-    c = _mm512_add_pd(_mm512_shuffle_f64x2(c, d, 0x88), _mm512_shuffle_f64x2(c, d, 0xdd));
-    return _mm512_add_pd(_mm512_shuffle_f64x2(a, c, 0x88), _mm512_shuffle_f64x2(a, c, 0xdd));
-#elif YCI_ISA == 256
-    __m256d a = _mm256_add_pd(_mm256_unpacklo_pd(s[0], s[1]), _mm256_unpackhi_pd(s[0], s[1]));
-    __m256d b = _mm256_add_pd(_mm256_unpacklo_pd(s[2], s[3]), _mm256_unpackhi_pd(s[2], s[3]));
-    return _mm256_add_pd(_mm256_permute2f128_pd(a, b, 0x20), _mm256_permute2f128_pd(a, b, 0x31));
-#else
-    double lane[V_W], sum[V_W];
-    int i, j;
-    for (j = 0; j < V_W; j++) {
-        V_STORE(lane, s[j]);
-        for (sum[j] = lane[0], i = 1; i < V_W; i++) sum[j] += lane[i];
-    }
-    return V_LOAD(sum);
-#endif
 }
 
 #define V_PANEL (YCI_PANEL / V_W) /* vectors of a panel's rows */
@@ -2208,6 +2196,7 @@ static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product
 #undef V_TILE_V
 #undef V_TILE_N
 #undef V_STRIP_V
+#undef V_COLUMNS
 #undef V_SET
 #undef V_LOAD
 #undef V_STORE
