@@ -2798,8 +2798,9 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
  * graphs, SIAM J. Sci. Comput. 20, 1998; the improvement is of the kind of Fiduccia and Mattheyses, 1982). Stars of a
  * few vertices become vertices of a coarser graph, the coarsest is cut by breadth-first growth, and on the way back the
  * separator is improved on every level: vertices leave it to one side, what they touch on the other comes in, and the
- * best moment is kept. Sides are cut again until they are small. Minimum degree then orders the whole graph with pieces
- * and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
+ * best moment is kept. Sides are cut again until they are small. Most of this is done on the graph of the first stars
+ * alone; the whole graph then follows its cuts and improves them. Minimum degree at last orders the whole graph with
+ * pieces and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
 #define YCI_DISSECT_LEAF 500    /* vertices of a graph that is not cut */
 #define YCI_DISSECT_COARSEST 60 /* of one that is not coarsened */
 #define YCI_DISSECT_STAR 3      /* of a star; twice as many in the finest graph */
@@ -2812,7 +2813,7 @@ typedef struct yci_dissect_graph {
     int n, total;          /* vertices, their weight */
     int *ptr, *col, *tied; /* neighbours without the vertex itself; how many edges each stands for (NULL: one) */
     int *weight, *side;    /* side: 0, 1, or 2 in the separator */
-    int *map, *id;         /* the vertex of the coarser graph; the caller's node (only where edges stand for one) */
+    int *map, *id;         /* the vertex of the coarser graph; the node of the graph that is dissected */
 } yci_dissect_graph;
 
 typedef struct yci_dissect {
@@ -2822,7 +2823,9 @@ typedef struct yci_dissect {
     int *moved, *rim_before;              /* what a sweep has moved, and how much rim there was before */
     int *table, *best;                    /* work */
     int weight[3];                        /* of both sides and of the separator */
-    int *stage, stages;                   /* per node; how many so far */
+    int *stage, stages;                   /* per node; how many so far: those of a piece, with its separator last */
+    int *fork;                            /* of a stage: the first one of the second side, -1: it was not cut */
+    int *guide;                           /* per node: its stage in the graph of stars */
 } yci_dissect;
 
 static int *yci_dissect_take(yci_dissect *d, int count) {
@@ -2837,7 +2840,7 @@ static int yci_dissect_open(yci_dissect *d, yci_dissect_graph *g, int n, int ent
     g->n = n, g->total = 0;
     g->ptr = yci_dissect_take(d, n + 1), g->weight = yci_dissect_take(d, n), g->side = yci_dissect_take(d, n);
     g->map = yci_dissect_take(d, n), g->tied = tied ? yci_dissect_take(d, entries) : NULL;
-    g->id = tied ? NULL : yci_dissect_take(d, n);
+    g->id = yci_dissect_take(d, n);
     g->col = yci_dissect_take(d, entries), g->ptr[0] = 0;
     return 1;
 }
@@ -3023,12 +3026,15 @@ static int yci_dissect_extract(yci_dissect *d, const yci_dissect_graph *g, int s
     int *index = d->best, count = 0, entries = 0, i, k, used = 0;
     for (i = 0; i < g->n; i++)
         if (g->side[i] == side) index[i] = count++, entries += g->ptr[i + 1] - g->ptr[i];
-    if (!yci_dissect_open(d, part, count, entries, 0)) return 0;
+    if (!yci_dissect_open(d, part, count, entries, g->tied != NULL)) return 0;
     for (i = 0, count = 0; i < g->n; i++) {
         if (g->side[i] != side) continue;
         part->id[count] = g->id[i], part->total += part->weight[count] = g->weight[i];
-        for (k = g->ptr[i]; k < g->ptr[i + 1]; k++)
-            if (g->side[g->col[k]] == side) part->col[used++] = index[g->col[k]];
+        for (k = g->ptr[i]; k < g->ptr[i + 1]; k++) {
+            if (g->side[g->col[k]] != side) continue;
+            if (g->tied) part->tied[used] = g->tied[k];
+            part->col[used++] = index[g->col[k]];
+        }
         part->ptr[++count] = used;
     }
     d->used -= entries - used;
@@ -3038,19 +3044,53 @@ static int yci_dissect_extract(yci_dissect *d, const yci_dissect_graph *g, int s
 /* Gives the vertices of g their stages: both sides and then the separator, or all the same one. */
 static void yci_dissect_split(yci_dissect *d, yci_dissect_graph *g) {
     yci_dissect_graph part;
-    int used = d->used, side, i, cut = g->n > YCI_DISSECT_LEAF;
+    int used = d->used, side, i, fork = 0,
+        cut = g->n > (g->tied ? YCI_DISSECT_LEAF / (2 * YCI_DISSECT_STAR) : YCI_DISSECT_LEAF);
     if (cut) {
         yci_dissect_cut(d, g);
         cut = d->weight[0] && d->weight[1] && d->weight[2] < g->total / 3;
     }
     for (side = 0; side < 2 && cut; side++) {
+        fork = d->stages;
         if (yci_dissect_extract(d, g, side, &part)) yci_dissect_split(d, &part);
         else cut = 0;
         d->used = used;
     }
     for (i = 0; i < g->n; i++)
         if (!cut || g->side[i] == 2) d->stage[g->id[i]] = d->stages;
-    d->stages++;
+    d->fork[d->stages++] = cut ? fork : -1;
+}
+
+/* Cuts g as the graph of stars was cut below stage s, but along improved separators. What an improvement further up has
+ * moved here from a separator begins in the separator. */
+static void yci_dissect_follow(yci_dissect *d, yci_dissect_graph *g, int s) {
+    yci_dissect_graph part;
+    int used = d->used, side, i, fork = d->fork[s];
+    for (i = 0; i < g->n; i++) {
+        int guide = d->guide[g->id[i]];
+        d->stage[g->id[i]] = s, g->side[i] = guide < fork ? 0 : guide < s ? 1 : 2;
+    }
+    if (fork < 0) return;
+    yci_dissect_refine(d, g);
+    for (side = 0; side < 2; side++) {
+        if (yci_dissect_extract(d, g, side, &part)) yci_dissect_follow(d, &part, side ? s - 1 : fork - 1);
+        d->used = used;
+    }
+}
+
+/* By way of the graph of stars, if there is one. */
+static void yci_dissect_guided(yci_dissect *d, yci_dissect_graph *g) {
+    yci_dissect_graph coarse;
+    int *stage = d->stage, i;
+    if (g->n <= YCI_DISSECT_LEAF || !yci_dissect_coarsen(d, g, &coarse)) {
+        yci_dissect_split(d, g);
+        return;
+    }
+    for (i = 0; i < coarse.n; i++) coarse.id[i] = i;
+    d->stage = yci_dissect_take(d, coarse.n);
+    yci_dissect_split(d, &coarse);
+    for (i = 0; i < g->n; i++) d->guide[g->id[i]] = d->stage[g->map[i]];
+    d->stage = stage, yci_dissect_follow(d, g, d->stages - 1);
 }
 
 /* The whole graph, without nodes that have no unknowns or very many neighbours; those make the last stage. Vertices are
@@ -3074,7 +3114,7 @@ static void yci_dissect_nodes(yci_dissect *d, int n, const int *dim, const int *
         g.ptr[i + 1] = used;
     }
     for (i = 0; i < n; i++) d->stage[i] = -1;
-    if (count) yci_dissect_split(d, &g);
+    if (count) yci_dissect_guided(d, &g);
     for (i = 0; i < n; i++)
         if (d->stage[i] < 0) d->stage[i] = d->stages;
 }
@@ -3088,11 +3128,12 @@ static yc_result yci_order_dissect(
     int *block = NULL, *at, *index, *sorted_ptr, *sorted_col, *sorted_dim, *sorted_stage, i, k, used = 0;
     yc_result result;
     memset(&d, 0, sizeof d);
-    if (arena <= (size_t)INT_MAX - 12 * size) block = YCI_NEW(c, int, 11 * size + 1 + arena);
+    if (arena <= (size_t)INT_MAX - 12 * size) block = YCI_RAW(c, int, 11 * size + 2 + arena);
     if (!block) return yci_out_of_memory(c, "an elimination order");
     d.size = (int)arena;
     d.heap = at = block, d.place = at += n, d.gain = at += n, d.rim = at += n, d.rim_before = at += n;
-    d.table = at += n, d.best = at += n, d.stage = at += n, d.moved = at += n, d.arena = at + n + 1;
+    d.table = at += n, d.best = at += n, d.stage = at += n, d.guide = at += n, d.fork = at += n, d.moved = at + n + 1,
+    d.arena = d.moved + n + 1;
     memset(d.place, -1, size * sizeof(int));
     yci_dissect_nodes(&d, n, dim, ptr, col);
     index = d.place, d.used = 0, sorted_ptr = yci_dissect_take(&d, n + 1), sorted_col = yci_dissect_take(&d, ptr[n]);
