@@ -2801,13 +2801,13 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
  * best moment is kept. Sides are cut again until they are small. Most of this is done on the graph of the first stars
  * alone; the whole graph then follows its cuts and improves them. Minimum degree at last orders the whole graph with
  * pieces and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
-#define YCI_DISSECT_LEAF 500    /* vertices of a graph that is not cut */
-#define YCI_DISSECT_COARSEST 60 /* of one that is not coarsened */
-#define YCI_DISSECT_STAR 3      /* of a star; twice as many in the finest graph */
-#define YCI_DISSECT_TRIES 4     /* cuts of the coarsest graph */
-#define YCI_DISSECT_SWEEPS 20   /* of a level, at most */
-#define YCI_DISSECT_BALANCE 0.6 /* the most of the weight that one side may have */
-#define YCI_DISSECT_PATIENCE 10 /* moves without gain in a sweep, beyond the size of the separator */
+#define YCI_DISSECT_LEAF 600     /* vertices of a graph that is not cut */
+#define YCI_DISSECT_COARSEST 60  /* of one that is not coarsened */
+#define YCI_DISSECT_STAR 3       /* of a star; twice as many in the finest graph */
+#define YCI_DISSECT_TRIES 4      /* cuts of the coarsest graph */
+#define YCI_DISSECT_SWEEPS 20    /* of a level, at most */
+#define YCI_DISSECT_BALANCE 0.55 /* the most of the weight that one side may have */
+#define YCI_DISSECT_PATIENCE 10  /* moves without gain in a sweep, beyond the size of the separator */
 
 typedef struct yci_dissect_graph {
     int n, total;          /* vertices, their weight */
@@ -2922,7 +2922,7 @@ static int yci_dissect_pop(yci_dissect *d) {
  * neighbours there, which would follow it into the separator. */
 static void yci_dissect_push(yci_dissect *d, const yci_dissect_graph *g, int v, int other) {
     int k, gain = g->weight[v];
-    for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) gain -= g->side[g->col[k]] == other ? g->weight[g->col[k]] : 0;
+    for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) gain -= g->weight[g->col[k]] & -(g->side[g->col[k]] == other);
     d->gain[v] = gain;
     yci_dissect_raise(d, v, d->heap_count++);
 }
@@ -2972,14 +2972,28 @@ static int yci_dissect_sweep(yci_dissect *d, yci_dissect_graph *g, int to) {
     return least < before;
 }
 
-/* Sweeps to the lighter side first and then in turns, until neither way gains, which is after 3 or 4 as a rule. */
-static void yci_dissect_refine(yci_dissect *d, yci_dissect_graph *g) {
-    int i, to, idle = 0, sweep = 0;
+/* Collects the separator and weighs the parts. What touches one side only leaves it for that side at once: a separator
+ * that comes from a coarser graph is several vertices thick. */
+static void yci_dissect_thin(yci_dissect *d, yci_dissect_graph *g) {
+    int i, k, seen = 0;
     d->rim_count = 0, d->weight[0] = d->weight[1] = d->weight[2] = 0;
     for (i = 0; i < g->n; i++) {
         d->weight[g->side[i]] += g->weight[i];
-        if (g->side[i] == 2) d->rim[d->rim_count++] = i;
+        d->rim[seen] = i, seen += g->side[i] == 2;
     }
+    for (i = 0; i < seen; i++) {
+        int v = d->rim[i], to, touched = 0;
+        for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) touched |= 1 << g->side[g->col[k]];
+        to = (touched & 3) ? (touched & 3) / 2 : d->weight[0] > d->weight[1];
+        if ((touched & 3) == 3) d->rim[d->rim_count++] = v;
+        else g->side[v] = to, d->weight[to] += g->weight[v], d->weight[2] -= g->weight[v];
+    }
+}
+
+/* Sweeps to the lighter side first and then in turns, until neither way gains, which is after 3 or 4 as a rule. */
+static void yci_dissect_refine(yci_dissect *d, yci_dissect_graph *g) {
+    int to, idle = 0, sweep = 0;
+    yci_dissect_thin(d, g);
     for (to = d->weight[0] > d->weight[1]; idle < 2 && sweep++ < YCI_DISSECT_SWEEPS; to = 1 - to)
         idle = yci_dissect_sweep(d, g, to) ? 0 : idle + 1;
 }
@@ -3031,9 +3045,9 @@ static int yci_dissect_extract(yci_dissect *d, const yci_dissect_graph *g, int s
         if (g->side[i] != side) continue;
         part->id[count] = g->id[i], part->total += part->weight[count] = g->weight[i];
         for (k = g->ptr[i]; k < g->ptr[i + 1]; k++) {
-            if (g->side[g->col[k]] != side) continue;
+            int j = g->col[k];
             if (g->tied) part->tied[used] = g->tied[k];
-            part->col[used++] = index[g->col[k]];
+            part->col[used] = index[j], used += g->side[j] == side;
         }
         part->ptr[++count] = used;
     }
@@ -3152,23 +3166,44 @@ static yc_result yci_order_dissect(
     return result;
 }
 
-/* Minimum degree; and dissection where the order is good for so many factorisations that what it may save, about a
- * quarter of the operations from this size on, outweighs the few microseconds that it takes per node. The better one is
- * kept: on regular grids of medium size that is often minimum degree. */
+/* Dissection where the order is good for so many operations that what it saves, about a quarter of them from this size
+ * on, outweighs the few microseconds that it takes per node; otherwise minimum degree. That one is as good on grids that
+ * are numbered line by line, where most rows are the one before moved by one; and is tried as well where dissection
+ * leaves more work than a mesh should. */
 #define YCI_ORDER_SMALL 6000    /* nodes */
 #define YCI_ORDER_WORTH 30000.0 /* operations per node */
+
+/* What a factorisation takes in a mesh, roughly: its fronts' heights go with the neighbours that a line of nodes has. */
+static double yci_order_guess(int n, const int *dim, const int *ptr) {
+    double size = 0.0, neighbours = n ? (double)ptr[n] / n - 1.0 : 0.0;
+    int i;
+    for (i = 0; i < n; i++) size += (double)dim[i] / n;
+    return size * size * size * pow(neighbours * n, 1.5);
+}
+
+static int yci_order_regular(int n, const int *ptr, const int *col) {
+    int i, alike = 0;
+    for (i = 1; i < n; i++)
+        alike += ptr[i + 1] - ptr[i] == ptr[i] - ptr[i - 1] && col[ptr[i]] == col[ptr[i - 1]] + 1 &&
+            col[ptr[i + 1] - 1] == col[ptr[i] - 1] + 1;
+    return alike > n / 4 * 3;
+}
 
 static yc_result yci_order_auto(
     yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order, yci_order_fronts *fronts) {
     yci_order_fronts other;
     size_t size = (size_t)n, bytes;
-    yc_result result = yci_order_minimum_degree(c, n, dim, ptr, col, NULL, order, fronts);
+    yc_result result;
+    double guess = n < YCI_ORDER_SMALL ? 0.0 : yci_order_guess(n, dim, ptr);
     int *block;
-    if (result != YC_OK || n < YCI_ORDER_SMALL || fronts->flops < YCI_ORDER_WORTH * n) return result;
-    block = YCI_NEW(c, int, 4 * size);
+    if (guess < YCI_ORDER_WORTH * n || !n || yci_order_regular(n, ptr, col))
+        return yci_order_minimum_degree(c, n, dim, ptr, col, NULL, order, fronts);
+    result = yci_order_dissect(c, n, dim, ptr, col, order, fronts);
+    if (result != YC_OK || fronts->flops < 1.5 * guess) return result;
+    block = YCI_RAW(c, int, 4 * size);
     if (!block) return yci_out_of_memory(c, "an elimination order");
     other.size = block + size, other.below = other.size + n, other.parent = other.below + n;
-    result = yci_order_dissect(c, n, dim, ptr, col, block, &other);
+    result = yci_order_minimum_degree(c, n, dim, ptr, col, NULL, block, &other);
     if (result == YC_OK && other.flops < fronts->flops) {
         bytes = (size_t)other.count * sizeof(int);
         memcpy(order, block, size * sizeof(int)), memcpy(fronts->size, other.size, bytes);
