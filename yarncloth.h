@@ -2702,6 +2702,19 @@ static void yci_order_sort(int n, const int *stage, int *order, int *begin) {
 /* A node with more neighbours is left out: every step would touch it. */
 static int yci_order_limit(int n) { return (int)(10.0 * sqrt((double)n)) + 16; }
 
+/* Numbers the nodes whose index is -1 breadth first, so that neighbours are near each other in memory; `queue` becomes
+ * the node of a number. Returns how many there are. */
+static int yci_order_breadth(int n, const int *ptr, const int *col, int *index, int *queue) {
+    int i = 0, k, seed, count = 0;
+    for (seed = 0; seed < n; seed++) {
+        if (index[seed] == -1) index[seed] = count, queue[count++] = seed;
+        for (; i < count; i++)
+            for (k = ptr[queue[i]]; k < ptr[queue[i] + 1]; k++)
+                if (index[col[k]] == -1) index[col[k]] = count, queue[count++] = col[k];
+    }
+    return count;
+}
+
 /* The graph at the start. Nodes with very many neighbours would be touched by every step: they are left out (weight 0)
  * and come last in their stage, after them nodes without unknowns. Weights are unknowns over their common divisor.
  * Returns whether all are 1 and only nodes without unknowns left out. */
@@ -3107,18 +3120,12 @@ static void yci_dissect_guided(yci_dissect *d, yci_dissect_graph *g) {
     d->stage = stage, yci_dissect_follow(d, g, d->stages - 1);
 }
 
-/* The whole graph, without nodes that have no unknowns or very many neighbours; those make the last stage. Vertices are
- * numbered breadth first, so that neighbours are near each other in memory. */
+/* The whole graph, without nodes that have no unknowns or very many neighbours; those make the last stage. */
 static void yci_dissect_nodes(yci_dissect *d, int n, const int *dim, const int *ptr, const int *col) {
     yci_dissect_graph g;
-    int i, k, seed, count = 0, used = 0, *index = d->best, *queue = d->rim, limit = yci_order_limit(n);
+    int i, k, count, used = 0, *index = d->best, *queue = d->rim, limit = yci_order_limit(n);
     for (i = 0; i < n; i++) index[i] = dim[i] && ptr[i + 1] - ptr[i] <= limit ? -1 : -2;
-    for (i = 0, seed = 0; seed < n; seed++) {
-        if (index[seed] == -1) index[seed] = count, queue[count++] = seed;
-        for (; i < count; i++)
-            for (k = ptr[queue[i]]; k < ptr[queue[i] + 1]; k++)
-                if (index[col[k]] == -1) index[col[k]] = count, queue[count++] = col[k];
-    }
+    count = yci_order_breadth(n, ptr, col, index, queue);
     yci_dissect_open(d, &g, count, ptr[n] - n, 0);
     for (i = 0; i < count; i++) {
         int v = g.id[i] = queue[i];
@@ -3216,8 +3223,9 @@ static yc_result yci_order_auto(
 
 /* ------------------------------------------------------------------------------------ direct: symbolic analysis --- */
 
-#define YCI_LDL_TASKS 32 /* at most: subtrees factored at the same time */
-#define YCI_LDL_STEP 64  /* columns of a front that are factored before the rest of it is updated */
+#define YCI_LDL_TASKS 32  /* at most: subtrees factored at the same time */
+#define YCI_LDL_FAR 40000 /* nodes of a pattern that may be renumbered */
+#define YCI_LDL_STEP 64   /* columns of a front that are factored before the rest of it is updated */
 
 /* Values of a block, and where they go: rows of `count` values side by side, each of them `stride` behind the one before,
  * which grows by `grow` from row to row (in a lower triangle). The first goes to `to` in the panel; one further is a
@@ -3280,7 +3288,8 @@ static void yci_ldl_destroy(yci_ldl *f) {
 /* What the analysis works with; everything of the size of the node count, in one block. */
 typedef struct yci_ldl_plan {
     int n, active;
-    const int *dim, *ptr, *col;
+    const int *dim, *ptr, *col, *first_run;
+    const int *index;            /* number here of the caller's nodes; NULL: the same */
     int *node, *pos;             /* node of a position, position of a node (-1: none) */
     int *parent, *first;         /* elimination tree on positions; the first position of the subtree of each */
     int *head, *next, *work;     /* work arrays */
@@ -3552,20 +3561,22 @@ typedef struct yci_ldl_rows {
     yci_ldl_edge *edge;
 } yci_ldl_rows;
 
-/* Fills them from the matrix and the children; `run` is as of yci_ldl_analyze. All fronts are sorted at once by
+/* Fills them from the matrix and the children. All fronts are sorted at once by
  * exchanging rows and columns twice. What is not wanted is written as well, and then overwritten by what comes next. */
-static void yci_ldl_gather(const yci_ldl *f, yci_ldl_plan *t, const int *run, yci_ldl_rows *m, int *sorted) {
+static void yci_ldl_gather(const yci_ldl *f, yci_ldl_plan *t, yci_ldl_rows *m, int *sorted) {
     int s, i = 0, k, child, edges = 0, *start = t->work, *mark = t->count + 1, *rows = m->rows, *begin = m->begin;
+    const int *pos = t->pos, *col = t->col, *run = t->first_run;
+    yci_ldl_edge *edge = m->edge;
     for (k = 0; k < t->active; k++) start[k] = 0;
     for (k = -1; k < t->active; k++) mark[k] = -1;
     for (s = 0, begin[0] = 0; s < f->supers; s++) {
         int used = begin[s], last = t->last[s];
         for (; i < last; i++) {
-            int v = t->node[i];
+            int v = t->node[i], end = t->ptr[v + 1];
             m->edge_begin[i] = edges;
-            for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) {
-                int u = t->col[k], r = t->pos[u], fresh = (r >= last) & (mark[r] != s);
-                m->edge[edges].row = r, m->edge[edges].run = run[k] ^ -(u < v), edges += r >= i;
+            for (k = t->ptr[v]; k < end; k++) {
+                int r = pos[col[k]], fresh = (r >= last) & (mark[r] != s);
+                edge[edges].row = r, edge[edges].run = run[k], edges += r >= i;
                 rows[used] = r, used += fresh, mark[r] = s;
             }
         }
@@ -3588,17 +3599,35 @@ static void yci_ldl_gather(const yci_ldl *f, yci_ldl_plan *t, const int *run, yc
 
 /* A child's rows in its parent's front, in which node i begins at where[i]. */
 static void yci_ldl_relate(yci_ldl *f, const int *dim, const int *where, yci_ldl_super *v, const int *row, int count) {
-    int *rel = f->rel + v->row, *chunk = f->chunk + v->chunk, k, used = 0, at = 0, width = f->super[v->parent].width;
-    v->inside = 0;
+    int *rel = f->rel + v->row, *chunk = f->chunk + v->chunk, width = f->super[v->parent].width;
+    int k, used = 0, inside = 0, at = 0, word = 0, base = count ? where[row[0]] / 8 : 0;
     for (k = 0; k < count; k++) {
         int place = where[row[k]], end = place + dim[row[k]];
+        inside += place < width ? end - place : 0;
         for (; place < end; place++) {
-            rel[used] = place, v->inside += place < width;
-            for (; at <= place / 8 - rel[0] / 8; at++) chunk[at] = used << 8;
-            chunk[at - 1] |= 1 << (place & 7), used++;
+            if (place / 8 - base > at)
+                for (chunk[at++] = word, word = used << 8; at < place / 8 - base;) chunk[at++] = word;
+            rel[used++] = place, word |= 1 << (place & 7);
         }
     }
-    v->chunks = at;
+    if (count) chunk[at++] = word;
+    v->inside = inside, v->chunks = at;
+}
+
+/* The runs of a node's entries, whose column begins at `column` of its panel. Returns their number. */
+static int yci_ldl_place(const yci_ldl_edge *edge, int count, const int *where, int column, int height,
+    const yci_ldl_run *given, yci_ldl_run *run) {
+    int k, used = 0;
+    for (k = 0; k < count; k++) {
+        int row = where[edge[k].row], flip = edge[k].run < 0;
+        const yci_ldl_run *from = given + (flip ? ~edge[k].run : edge[k].run);
+        do {
+            int r = from->to >> 3, c = from->to & 7;
+            run[used] = *from, run[used].flip = (unsigned char)flip;
+            run[used++].to = (column + (flip ? r : c)) * height + row + (flip ? c : r);
+        } while (from++->flip);
+    }
+    return used;
 }
 
 /* Where everything goes: the fronts' rows, children's rows in their parents' fronts, the caller's values in the panels.
@@ -3606,7 +3635,7 @@ static void yci_ldl_relate(yci_ldl *f, const int *dim, const int *where, yci_ldl
  * the front at hand. */
 static void yci_ldl_maps(yci_ldl *f, const yci_ldl_plan *t, const int *dim, const int *first, int *where,
     const yci_ldl_rows *m, const yci_ldl_run *given) {
-    int s, i = 0, k, a, child, at = 0, chunks = 0, runs = 0;
+    int s, i = 0, k, a, child, at = 0, chunks = 0, runs = 0, *row = f->row;
     for (s = 0; s < f->supers; s++) {
         yci_ldl_super *u = f->super + s;
         int place = u->width;
@@ -3615,9 +3644,9 @@ static void yci_ldl_maps(yci_ldl *f, const yci_ldl_plan *t, const int *dim, cons
         for (k = m->begin[s]; k < m->begin[s + 1]; k++) {
             int r = m->rows[k];
             where[r] = place, place += dim[r];
-            for (a = 0; a < dim[r]; a++) f->row[at++] = first[r] + a;
+            for (a = 0; a < dim[r]; a++) row[at++] = first[r] + a;
         }
-        for (a = 1; a < YCI_OVERREAD; a++) f->row[at++] = f->size;
+        for (a = 1; a < YCI_OVERREAD; a++) row[at++] = f->size;
         for (child = u->child; child >= 0; child = f->super[child].next) {
             yci_ldl_super *v = f->super + child;
             v->chunk = chunks;
@@ -3625,16 +3654,8 @@ static void yci_ldl_maps(yci_ldl *f, const yci_ldl_plan *t, const int *dim, cons
             chunks += v->chunks;
         }
         for (; i < t->last[s]; i++)
-            for (k = m->edge_begin[i]; k < m->edge_begin[i + 1]; k++) {
-                int column = where[i], row = where[m->edge[k].row], flip = m->edge[k].run < 0;
-                const yci_ldl_run *from = given + (flip ? ~m->edge[k].run : m->edge[k].run);
-                do {
-                    yci_ldl_run *run = f->run + runs++;
-                    int r = from->to / 8, c = from->to % 8;
-                    *run = *from, run->flip = (unsigned char)flip;
-                    run->to = flip ? (column + r) * u->height + row + c : (column + c) * u->height + row + r;
-                } while (from++->flip);
-            }
+            runs += yci_ldl_place(m->edge + m->edge_begin[i], m->edge_begin[i + 1] - m->edge_begin[i], where, where[i],
+                u->height, given, f->run + runs);
     }
     f->super[s].row = at, f->super[s].run = runs;
 }
@@ -3643,7 +3664,10 @@ static void yci_ldl_maps(yci_ldl *f, const yci_ldl_plan *t, const int *dim, cons
 static void yci_ldl_number(yci_ldl *f, const yci_ldl_plan *t, int *dim, int *first) {
     int i, k, a, at = 0, *unknown = t->work;
     memset(f->dim, 0, (size_t)f->size);
-    for (i = 0, k = 0; i < t->n; i++) unknown[i] = k, k += t->dim[i];
+    for (i = 0, k = 0; i < t->n; i++) {
+        int v = t->index ? t->index[i] : i;
+        unknown[v] = k, k += t->dim[v];
+    }
     for (i = 0; i < t->active; i++) {
         int v = t->node[i];
         dim[i] = t->dim[v], first[i] = at, f->dim[at] = (unsigned char)dim[i];
@@ -3652,7 +3676,7 @@ static void yci_ldl_number(yci_ldl *f, const yci_ldl_plan *t, int *dim, int *fir
 }
 
 /* Everything of the factor that depends on the plan's outcome, but for L itself. Returns 0 without memory. */
-static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, int run_count, const int *first_run) {
+static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, int run_count) {
     yci_context *c = f->c;
     size_t n = (size_t)f->size, node_rows = 1, rows = 0, chunks = 0,
            edges = ((size_t)t->ptr[t->n] + (size_t)t->n) / 2 + 1;
@@ -3678,7 +3702,7 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
         m.edge = (yci_ldl_edge *)block, m.begin = block + 2 * edges, m.rows = m.begin + f->supers + 1;
         m.edge_begin = t->first;
         yci_ldl_measure(f, t);
-        yci_ldl_gather(f, t, first_run, &m, m.rows + node_rows);
+        yci_ldl_gather(f, t, &m, m.rows + node_rows);
         yci_ldl_number(f, t, t->count, t->next);
         yci_ldl_maps(f, t, t->count, t->next, t->head, &m, run);
         for (s = 0; s < f->supers && f->back; s++)
@@ -3696,17 +3720,45 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
     return k;
 }
 
+/* Whether neighbours are so far from each other in memory that it pays to renumber a pattern that does not fit a
+ * cache. */
+static int yci_ldl_far(int n, const int *ptr, const int *col) {
+    double sum = 0.0;
+    int i, count = 0;
+    for (i = 0; i < n; i += 16, count++) sum += abs(col[ptr[i + 1] - 1] - i);
+    return n >= YCI_LDL_FAR && sum > 0.125 * n * count;
+}
+
+/* The plan of a pattern whose nodes are renumbered breadth first, in one block; NULL without memory. */
+static int *yci_ldl_localise(yci_context *c, yci_ldl_plan *t) {
+    size_t size = (size_t)t->n, entries = (size_t)t->ptr[t->n];
+    int *block = YCI_RAW(c, int, 4 * size + 1 + 2 * entries), *index = block, i, k, used = 0;
+    if (block) {
+        int *name = index + size, *dim = name + size, *ptr = dim + size, *col = ptr + size + 1, *run = col + entries;
+        for (i = 0; i < t->n; i++) index[i] = -1;
+        yci_order_breadth(t->n, t->ptr, t->col, index, name);
+        for (i = 0; i < t->n; i++) {
+            int v = name[i];
+            ptr[i] = used, dim[i] = t->dim[v];
+            for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) col[used] = index[t->col[k]], run[used++] = t->first_run[k];
+        }
+        ptr[i] = used, t->index = index, t->dim = dim, t->ptr = ptr, t->col = col, t->first_run = run;
+    }
+    return block;
+}
+
 /* Analyses a full symmetric pattern of nodes with its diagonal (as of yci_bsr). `order` names the node eliminated k-th,
- * or is NULL for the library's choice. The runs give all values on and below the caller's diagonal, block by block; both
- * entries of the pattern with this block have its first run in `first_run`. Nothing of the arguments is kept. On failure
- * *out is NULL. */
+ * or is NULL for the library's choice. The runs give all values on and below the caller's diagonal, block by block;
+ * `first_run` is the first one of every entry of the pattern, or below the diagonal its complement: a node that is
+ * eliminated before an earlier one has their block transposed. Nothing of the arguments is kept. On failure *out is
+ * NULL. */
 static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const int *ptr, const int *col,
     const int *first_run, const yci_ldl_run *run, size_t run_count, const int *order, int spd, yci_ldl **out) {
     yci_ldl_plan t;
     yci_order_fronts fronts;
     yci_ldl *f = YCI_NEW(c, yci_ldl, 1);
     size_t size = (size_t)n + 1;
-    int *block = YCI_RAW(c, int, 17 * size), *at = block, i, ok;
+    int *block = YCI_RAW(c, int, 17 * size), *at = block, *local = NULL, i, ok;
     yc_result result = YC_OK;
     *out = NULL;
     memset(&t, 0, sizeof t), memset(&fronts, 0, sizeof fronts);
@@ -3714,26 +3766,27 @@ static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const in
     if (f) f->c = c;
     if (ok) {
         f->c = c, f->kernels = yci_kernels_best(), f->spd = spd;
-        t.n = n, t.dim = dim, t.ptr = ptr, t.col = col;
+        t.n = n, t.dim = dim, t.ptr = ptr, t.col = col, t.first_run = first_run;
         t.node = at, t.pos = at += size, t.parent = at += size, t.first = at += size, t.head = at += size;
         t.next = at += size, t.work = at += size, t.count = at += size, t.weight = at += size;
         t.super_of = at += size, t.super_parent = at += size, t.below = at += size, t.width = at += size;
         t.height = at += size, t.group = at += size, t.last = at += size, at += size;
         fronts.size = t.width, fronts.below = t.below, fronts.parent = t.super_parent;
-        if (!order) result = yci_order_auto(c, n, dim, ptr, col, at, &fronts);
+        if (!order && yci_ldl_far(n, ptr, col)) ok = (local = yci_ldl_localise(c, &t)) != NULL;
+        if (!order && ok) result = yci_order_auto(c, n, t.dim, t.ptr, t.col, at, &fronts);
         for (i = 0; i < n; i++) t.pos[i] = -1, t.work[i] = 0;
-        for (i = 0; result == YC_OK && i < n; i++) {
+        for (i = 0; ok && result == YC_OK && i < n; i++) {
             int v = order ? order[i] : at[i];
             if (v < 0 || v >= n || t.work[v]++)
                 result = YCI_FAIL(c, YC_ERROR_ARGUMENT, "elimination order: entry %d is %d, of %d nodes", i, v, n);
-            else if (dim[v]) t.pos[v] = t.active, t.node[t.active++] = v, f->size += dim[v];
+            else if (t.dim[v]) t.pos[v] = t.active, t.node[t.active++] = v, f->size += t.dim[v];
         }
     }
     if (ok && result == YC_OK) {
         yci_ldl_lay_out(&t, &fronts);
-        ok = yci_ldl_build(f, &t, run, (int)run_count, first_run);
+        ok = yci_ldl_build(f, &t, run, (int)run_count);
     }
-    yci_free(c, block);
+    yci_free(c, block), yci_free(c, local);
     if (ok && result == YC_OK) {
         *out = f;
         return YC_OK;
@@ -3759,7 +3812,7 @@ static yc_result yci_ldl_analyze_bsr(yci_context *c, const yci_bsr *m, const int
         mirror[i] = m->diag[i];
         for (k = m->ptr[i]; k <= m->diag[i]; k++) {
             int j = m->col[k], columns = m->dim[j], whole = j < i;
-            first_run[k] = first_run[mirror[j]++] = used;
+            first_run[k] = ~used, first_run[mirror[j]++] = used;
             for (a = 0; a < (whole ? 1 : m->dim[i]); a++, used++) {
                 run[used].from = (int)m->at[k] + a * columns, run[used].to = 8 * a, run[used].stride = columns;
                 run[used].rows = (unsigned char)(whole ? m->dim[i] : 1), run[used].grow = 0;
@@ -4343,16 +4396,17 @@ static void yci_chol_scan(yci_chol_blocks *m, int nodes, const int *shared, int 
 
 /* The full symmetric pattern, with the first run of every entry. */
 static void yci_chol_graph(const yci_chol_blocks *m, int nodes, int *ptr, int *col, int *first_run) {
+    const int *begin = m->begin, *node = m->node, *run = m->first_run;
     int i, k, total = 0;
-    for (i = 0; i < nodes; i++) ptr[i] = m->begin[i + 1] - m->begin[i];
+    for (i = 0; i < nodes; i++) ptr[i] = begin[i + 1] - begin[i];
     for (i = 0; i < nodes; i++)
-        for (k = m->begin[i]; k < m->begin[i + 1] - 1; k++) ptr[m->node[k]]++;
+        for (k = begin[i]; k < begin[i + 1] - 1; k++) ptr[node[k]]++;
     for (i = 0; i < nodes; i++) k = ptr[i], ptr[i] = total, total += k;
     for (i = 0; i < nodes; i++)
-        for (k = m->begin[i]; k < m->begin[i + 1]; k++) {
-            int j = m->node[k];
-            col[ptr[i]] = j, first_run[ptr[i]++] = m->first_run[k];
-            if (j < i) col[ptr[j]] = i, first_run[ptr[j]++] = m->first_run[k];
+        for (k = begin[i]; k < begin[i + 1]; k++) {
+            int j = node[k];
+            col[ptr[i]] = j, first_run[ptr[i]++] = j < i ? ~run[k] : run[k];
+            if (j < i) col[ptr[j]] = i, first_run[ptr[j]++] = run[k];
         }
     for (i = nodes; i > 0; i--) ptr[i] = ptr[i - 1]; /* ends become beginnings */
     ptr[0] = 0;
