@@ -2868,10 +2868,15 @@ static int yci_dissect_gather(yci_dissect *d, yci_dissect_graph *g) {
         int weight = g->weight[i];
         if (g->map[i] >= 0) continue;
         g->map[i] = count, begin[count] = used, d->table[used++] = i;
-        for (more = 1; more < star; more++) {
+        for (k = g->ptr[i]; !g->tied && k < g->ptr[i + 1] && used - begin[count] < star; k++) {
+            int j = g->col[k]; /* all edges are alike */
+            if (g->map[j] < 0 && weight + g->weight[j] <= most)
+                g->map[j] = count, d->table[used++] = j, weight += g->weight[j];
+        }
+        for (more = 1; g->tied && more < star; more++) {
             int best = -1, heaviest = 0;
             for (k = g->ptr[i]; k < g->ptr[i + 1]; k++) {
-                int j = g->col[k], rank = g->tied ? g->tied[k] : 1;
+                int j = g->col[k], rank = g->tied[k];
                 if (g->map[j] >= 0 || rank < heaviest || weight + g->weight[j] > most) continue;
                 if (rank == heaviest && g->weight[j] >= g->weight[best]) continue;
                 best = j, heaviest = rank;
