@@ -3179,13 +3179,13 @@ static yc_result yci_order_dissect(
 }
 
 /* Dissection where the order is good for so many operations that what it saves, about a quarter of them from this size
- * on, outweighs the few microseconds that it takes per node; otherwise minimum degree. That one is as good on grids that
- * are numbered line by line, where most rows are the one before moved by one; and is tried as well where dissection
- * leaves more work than a mesh should. */
+ * on, outweighs the few microseconds that it takes per node; otherwise minimum degree. That one is as good on grids
+ * that are numbered line by line, where most rows are the one before moved by one; and is tried as well where
+ * dissection leaves more work than a mesh should. */
 #define YCI_ORDER_SMALL 6000    /* nodes */
 #define YCI_ORDER_WORTH 30000.0 /* operations per node */
 
-/* What a factorisation takes in a mesh, roughly: its fronts' heights go with the neighbours that a line of nodes has. */
+/* What a factorisation takes in a mesh, roughly: fronts are as high as a line of nodes has neighbours. */
 static double yci_order_guess(int n, const int *dim, const int *ptr) {
     double size = 0.0, neighbours = n ? (double)ptr[n] / n - 1.0 : 0.0;
     int i;
@@ -3232,10 +3232,10 @@ static yc_result yci_order_auto(
 #define YCI_LDL_FAR 40000 /* nodes of a pattern that may be renumbered */
 #define YCI_LDL_STEP 64   /* columns of a front that are factored before the rest of it is updated */
 
-/* Values of a block, and where they go: rows of `count` values side by side, each of them `stride` behind the one before,
- * which grows by `grow` from row to row (in a lower triangle). The first goes to `to` in the panel; one further is a
- * column further, or a row if `flip`. The analysis is given `to` as 8 * row + column in the block, and in `flip` whether
- * the next run is of the same block. */
+/* Values of a block, and where they go: rows of `count` values side by side, each of them `stride` behind the one
+ * before, which grows by `grow` from row to row (in a lower triangle). The first goes to `to` in the panel; one further
+ * is a column further, or a row if `flip`. The analysis is given `to` as 8 * row + column in the block, and in `flip`
+ * whether the next run is of the same block. */
 typedef struct yci_ldl_run {
     int from, to, stride;
     unsigned char rows, count, grow, flip;
@@ -3559,8 +3559,8 @@ static size_t yci_ldl_place_updates(yci_ldl *f) {
     return total;
 }
 
-/* What the build needs besides the plan: in `rows` the nodes below every front's own, ascending, front s's from begin[s]
- * on; in `edge` the entries of the columns, position i's from edge_begin[i] on. */
+/* What the build needs besides the plan: in `rows` the nodes below every front's own, ascending, those of front s from
+ * begin[s] on; in `edge` the entries of the columns, those of position i from edge_begin[i] on. */
 typedef struct yci_ldl_rows {
     int *begin, *rows, *edge_begin;
     yci_ldl_edge *edge;
@@ -4489,8 +4489,8 @@ YC_API yc_result yc_chol_analyze(
     return result;
 }
 
-/* The first value that is not finite, or `entries`; only those of the runs count. A sum of 0 * x is NaN when one of them
- * is not finite. */
+/* The first value that is not finite, or `entries`; only those of the runs count. A sum of 0 * x is NaN when one of
+ * them is not finite. */
 static size_t yci_chol_not_finite(const yc_chol *chol, const double *values) {
     const yci_ldl *f = chol->ldl;
     size_t k, first = chol->entries;
