@@ -1792,10 +1792,9 @@ YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
         n = (j - 1) % YCI_PANEL + 1;
         j -= n, l = s->l + (size_t)j * (ld + 1), x = y + s->first + j;
         for (i = 0; i < n; i += V_COLUMNS)
-            for (r = 0; r < count; r += some)
-                YCI_(yci_columns)
-                (n - i, s->height - j - n, l + n + (size_t)i * ld, ld, z + (size_t)r * ldz + j + n, ldz,
-                    sum + YCI_PANEL * r + i, some);
+            for (r = 0; r < count; r += some) YCI_(yci_columns)
+        (n - i, s->height - j - n, l + n + (size_t)i * ld, ld, z + (size_t)r * ldz + j + n, ldz,
+            sum + YCI_PANEL * r + i, some);
         YCI_CASES(n, YCI_(yci_triangle_backward), l, ld, x, ldy, sum, z + j, ldz, count)
     }
     YCI_(yci_own)(s->width, y + s->first, ldy, z, ldz, 1, count);
@@ -3138,6 +3137,19 @@ static void yci_order_sort(int n, const int *stage, int *order, int *begin) {
 /* A node with more neighbours is left out: every step would touch it. */
 static int yci_order_limit(int n) { return (int)(10.0 * sqrt((double)n)) + 16; }
 
+/* Numbers the nodes whose index is -1 breadth first, so that neighbours are near each other in memory; `queue` becomes
+ * the node of a number. Returns how many there are. */
+static int yci_order_breadth(int n, const int *ptr, const int *col, int *index, int *queue) {
+    int i = 0, k, seed, count = 0;
+    for (seed = 0; seed < n; seed++) {
+        if (index[seed] == -1) index[seed] = count, queue[count++] = seed;
+        for (; i < count; i++)
+            for (k = ptr[queue[i]]; k < ptr[queue[i] + 1]; k++)
+                if (index[col[k]] == -1) index[col[k]] = count, queue[count++] = col[k];
+    }
+    return count;
+}
+
 /* The graph at the start. Nodes with very many neighbours would be touched by every step: they are left out (weight 0)
  * and come last in their stage, after them nodes without unknowns. Weights are unknowns over their common divisor.
  * Returns whether all are 1 and only nodes without unknowns left out. */
@@ -3234,21 +3246,22 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
  * graphs, SIAM J. Sci. Comput. 20, 1998; the improvement is of the kind of Fiduccia and Mattheyses, 1982). Stars of a
  * few vertices become vertices of a coarser graph, the coarsest is cut by breadth-first growth, and on the way back the
  * separator is improved on every level: vertices leave it to one side, what they touch on the other comes in, and the
- * best moment is kept. Sides are cut again until they are small. Minimum degree then orders the whole graph with pieces
- * and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
-#define YCI_DISSECT_LEAF 500    /* vertices of a graph that is not cut */
-#define YCI_DISSECT_COARSEST 60 /* of one that is not coarsened */
-#define YCI_DISSECT_STAR 3      /* of a star; twice as many in the finest graph */
-#define YCI_DISSECT_TRIES 4     /* cuts of the coarsest graph */
-#define YCI_DISSECT_SWEEPS 20   /* of a level, at most */
-#define YCI_DISSECT_BALANCE 0.6 /* the most of the weight that one side may have */
-#define YCI_DISSECT_PATIENCE 10 /* moves without gain in a sweep, beyond the size of the separator */
+ * best moment is kept. Sides are cut again until they are small. Most of this is done on the graph of the first stars
+ * alone; the whole graph then follows its cuts and improves them. Minimum degree at last orders the whole graph with
+ * pieces and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
+#define YCI_DISSECT_LEAF 600     /* vertices of a graph that is not cut */
+#define YCI_DISSECT_COARSEST 60  /* of one that is not coarsened */
+#define YCI_DISSECT_STAR 3       /* of a star; twice as many in the finest graph */
+#define YCI_DISSECT_TRIES 4      /* cuts of the coarsest graph */
+#define YCI_DISSECT_SWEEPS 20    /* of a level, at most */
+#define YCI_DISSECT_BALANCE 0.55 /* the most of the weight that one side may have */
+#define YCI_DISSECT_PATIENCE 10  /* moves without gain in a sweep, beyond the size of the separator */
 
 typedef struct yci_dissect_graph {
     int n, total;          /* vertices, their weight */
     int *ptr, *col, *tied; /* neighbours without the vertex itself; how many edges each stands for (NULL: one) */
     int *weight, *side;    /* side: 0, 1, or 2 in the separator */
-    int *map, *id;         /* the vertex of the coarser graph; the caller's node (only where edges stand for one) */
+    int *map, *id;         /* the vertex of the coarser graph; the node of the graph that is dissected */
 } yci_dissect_graph;
 
 typedef struct yci_dissect {
@@ -3258,7 +3271,9 @@ typedef struct yci_dissect {
     int *moved, *rim_before;              /* what a sweep has moved, and how much rim there was before */
     int *table, *best;                    /* work */
     int weight[3];                        /* of both sides and of the separator */
-    int *stage, stages;                   /* per node; how many so far */
+    int *stage, stages;                   /* per node; how many so far: those of a piece, with its separator last */
+    int *fork;                            /* of a stage: the first one of the second side, -1: it was not cut */
+    int *guide;                           /* per node: its stage in the graph of stars */
 } yci_dissect;
 
 static int *yci_dissect_take(yci_dissect *d, int count) {
@@ -3273,7 +3288,7 @@ static int yci_dissect_open(yci_dissect *d, yci_dissect_graph *g, int n, int ent
     g->n = n, g->total = 0;
     g->ptr = yci_dissect_take(d, n + 1), g->weight = yci_dissect_take(d, n), g->side = yci_dissect_take(d, n);
     g->map = yci_dissect_take(d, n), g->tied = tied ? yci_dissect_take(d, entries) : NULL;
-    g->id = tied ? NULL : yci_dissect_take(d, n);
+    g->id = yci_dissect_take(d, n);
     g->col = yci_dissect_take(d, entries), g->ptr[0] = 0;
     return 1;
 }
@@ -3288,10 +3303,15 @@ static int yci_dissect_gather(yci_dissect *d, yci_dissect_graph *g) {
         int weight = g->weight[i];
         if (g->map[i] >= 0) continue;
         g->map[i] = count, begin[count] = used, d->table[used++] = i;
-        for (more = 1; more < star; more++) {
+        for (k = g->ptr[i]; !g->tied && k < g->ptr[i + 1] && used - begin[count] < star; k++) {
+            int j = g->col[k]; /* all edges are alike */
+            if (g->map[j] < 0 && weight + g->weight[j] <= most)
+                g->map[j] = count, d->table[used++] = j, weight += g->weight[j];
+        }
+        for (more = 1; g->tied && more < star; more++) {
             int best = -1, heaviest = 0;
             for (k = g->ptr[i]; k < g->ptr[i + 1]; k++) {
-                int j = g->col[k], rank = g->tied ? g->tied[k] : 1;
+                int j = g->col[k], rank = g->tied[k];
                 if (g->map[j] >= 0 || rank < heaviest || weight + g->weight[j] > most) continue;
                 if (rank == heaviest && g->weight[j] >= g->weight[best]) continue;
                 best = j, heaviest = rank;
@@ -3355,7 +3375,7 @@ static int yci_dissect_pop(yci_dissect *d) {
  * neighbours there, which would follow it into the separator. */
 static void yci_dissect_push(yci_dissect *d, const yci_dissect_graph *g, int v, int other) {
     int k, gain = g->weight[v];
-    for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) gain -= g->side[g->col[k]] == other ? g->weight[g->col[k]] : 0;
+    for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) gain -= g->weight[g->col[k]] & -(g->side[g->col[k]] == other);
     d->gain[v] = gain;
     yci_dissect_raise(d, v, d->heap_count++);
 }
@@ -3405,14 +3425,28 @@ static int yci_dissect_sweep(yci_dissect *d, yci_dissect_graph *g, int to) {
     return least < before;
 }
 
-/* Sweeps to the lighter side first and then in turns, until neither way gains, which is after 3 or 4 as a rule. */
-static void yci_dissect_refine(yci_dissect *d, yci_dissect_graph *g) {
-    int i, to, idle = 0, sweep = 0;
+/* Collects the separator and weighs the parts. What touches one side only leaves it for that side at once: a separator
+ * that comes from a coarser graph is several vertices thick. */
+static void yci_dissect_thin(yci_dissect *d, yci_dissect_graph *g) {
+    int i, k, seen = 0;
     d->rim_count = 0, d->weight[0] = d->weight[1] = d->weight[2] = 0;
     for (i = 0; i < g->n; i++) {
         d->weight[g->side[i]] += g->weight[i];
-        if (g->side[i] == 2) d->rim[d->rim_count++] = i;
+        d->rim[seen] = i, seen += g->side[i] == 2;
     }
+    for (i = 0; i < seen; i++) {
+        int v = d->rim[i], to, touched = 0;
+        for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) touched |= 1 << g->side[g->col[k]];
+        to = (touched & 3) ? (touched & 3) / 2 : d->weight[0] > d->weight[1];
+        if ((touched & 3) == 3) d->rim[d->rim_count++] = v;
+        else g->side[v] = to, d->weight[to] += g->weight[v], d->weight[2] -= g->weight[v];
+    }
+}
+
+/* Sweeps to the lighter side first and then in turns, until neither way gains, which is after 3 or 4 as a rule. */
+static void yci_dissect_refine(yci_dissect *d, yci_dissect_graph *g) {
+    int to, idle = 0, sweep = 0;
+    yci_dissect_thin(d, g);
     for (to = d->weight[0] > d->weight[1]; idle < 2 && sweep++ < YCI_DISSECT_SWEEPS; to = 1 - to)
         idle = yci_dissect_sweep(d, g, to) ? 0 : idle + 1;
 }
@@ -3459,12 +3493,15 @@ static int yci_dissect_extract(yci_dissect *d, const yci_dissect_graph *g, int s
     int *index = d->best, count = 0, entries = 0, i, k, used = 0;
     for (i = 0; i < g->n; i++)
         if (g->side[i] == side) index[i] = count++, entries += g->ptr[i + 1] - g->ptr[i];
-    if (!yci_dissect_open(d, part, count, entries, 0)) return 0;
+    if (!yci_dissect_open(d, part, count, entries, g->tied != NULL)) return 0;
     for (i = 0, count = 0; i < g->n; i++) {
         if (g->side[i] != side) continue;
         part->id[count] = g->id[i], part->total += part->weight[count] = g->weight[i];
-        for (k = g->ptr[i]; k < g->ptr[i + 1]; k++)
-            if (g->side[g->col[k]] == side) part->col[used++] = index[g->col[k]];
+        for (k = g->ptr[i]; k < g->ptr[i + 1]; k++) {
+            int j = g->col[k];
+            if (g->tied) part->tied[used] = g->tied[k];
+            part->col[used] = index[j], used += g->side[j] == side;
+        }
         part->ptr[++count] = used;
     }
     d->used -= entries - used;
@@ -3474,33 +3511,61 @@ static int yci_dissect_extract(yci_dissect *d, const yci_dissect_graph *g, int s
 /* Gives the vertices of g their stages: both sides and then the separator, or all the same one. */
 static void yci_dissect_split(yci_dissect *d, yci_dissect_graph *g) {
     yci_dissect_graph part;
-    int used = d->used, side, i, cut = g->n > YCI_DISSECT_LEAF;
+    int used = d->used, side, i, fork = 0,
+        cut = g->n > (g->tied ? YCI_DISSECT_LEAF / (2 * YCI_DISSECT_STAR) : YCI_DISSECT_LEAF);
     if (cut) {
         yci_dissect_cut(d, g);
         cut = d->weight[0] && d->weight[1] && d->weight[2] < g->total / 3;
     }
     for (side = 0; side < 2 && cut; side++) {
+        fork = d->stages;
         if (yci_dissect_extract(d, g, side, &part)) yci_dissect_split(d, &part);
         else cut = 0;
         d->used = used;
     }
     for (i = 0; i < g->n; i++)
         if (!cut || g->side[i] == 2) d->stage[g->id[i]] = d->stages;
-    d->stages++;
+    d->fork[d->stages++] = cut ? fork : -1;
 }
 
-/* The whole graph, without nodes that have no unknowns or very many neighbours; those make the last stage. Vertices are
- * numbered breadth first, so that neighbours are near each other in memory. */
+/* Cuts g as the graph of stars was cut below stage s, but along improved separators. What an improvement further up has
+ * moved here from a separator begins in the separator. */
+static void yci_dissect_follow(yci_dissect *d, yci_dissect_graph *g, int s) {
+    yci_dissect_graph part;
+    int used = d->used, side, i, fork = d->fork[s];
+    for (i = 0; i < g->n; i++) {
+        int guide = d->guide[g->id[i]];
+        d->stage[g->id[i]] = s, g->side[i] = guide < fork ? 0 : guide < s ? 1 : 2;
+    }
+    if (fork < 0) return;
+    yci_dissect_refine(d, g);
+    for (side = 0; side < 2; side++) {
+        if (yci_dissect_extract(d, g, side, &part)) yci_dissect_follow(d, &part, side ? s - 1 : fork - 1);
+        d->used = used;
+    }
+}
+
+/* By way of the graph of stars, if there is one. */
+static void yci_dissect_guided(yci_dissect *d, yci_dissect_graph *g) {
+    yci_dissect_graph coarse;
+    int *stage = d->stage, i;
+    if (g->n <= YCI_DISSECT_LEAF || !yci_dissect_coarsen(d, g, &coarse)) {
+        yci_dissect_split(d, g);
+        return;
+    }
+    for (i = 0; i < coarse.n; i++) coarse.id[i] = i;
+    d->stage = yci_dissect_take(d, coarse.n);
+    yci_dissect_split(d, &coarse);
+    for (i = 0; i < g->n; i++) d->guide[g->id[i]] = d->stage[g->map[i]];
+    d->stage = stage, yci_dissect_follow(d, g, d->stages - 1);
+}
+
+/* The whole graph, without nodes that have no unknowns or very many neighbours; those make the last stage. */
 static void yci_dissect_nodes(yci_dissect *d, int n, const int *dim, const int *ptr, const int *col) {
     yci_dissect_graph g;
-    int i, k, seed, count = 0, used = 0, *index = d->best, *queue = d->rim, limit = yci_order_limit(n);
+    int i, k, count, used = 0, *index = d->best, *queue = d->rim, limit = yci_order_limit(n);
     for (i = 0; i < n; i++) index[i] = dim[i] && ptr[i + 1] - ptr[i] <= limit ? -1 : -2;
-    for (i = 0, seed = 0; seed < n; seed++) {
-        if (index[seed] == -1) index[seed] = count, queue[count++] = seed;
-        for (; i < count; i++)
-            for (k = ptr[queue[i]]; k < ptr[queue[i] + 1]; k++)
-                if (index[col[k]] == -1) index[col[k]] = count, queue[count++] = col[k];
-    }
+    count = yci_order_breadth(n, ptr, col, index, queue);
     yci_dissect_open(d, &g, count, ptr[n] - n, 0);
     for (i = 0; i < count; i++) {
         int v = g.id[i] = queue[i];
@@ -3510,7 +3575,7 @@ static void yci_dissect_nodes(yci_dissect *d, int n, const int *dim, const int *
         g.ptr[i + 1] = used;
     }
     for (i = 0; i < n; i++) d->stage[i] = -1;
-    if (count) yci_dissect_split(d, &g);
+    if (count) yci_dissect_guided(d, &g);
     for (i = 0; i < n; i++)
         if (d->stage[i] < 0) d->stage[i] = d->stages;
 }
@@ -3524,11 +3589,12 @@ static yc_result yci_order_dissect(
     int *block = NULL, *at, *index, *sorted_ptr, *sorted_col, *sorted_dim, *sorted_stage, i, k, used = 0;
     yc_result result;
     memset(&d, 0, sizeof d);
-    if (arena <= (size_t)INT_MAX - 12 * size) block = YCI_NEW(c, int, 11 * size + 1 + arena);
+    if (arena <= (size_t)INT_MAX - 12 * size) block = YCI_RAW(c, int, 11 * size + 2 + arena);
     if (!block) return yci_out_of_memory(c, "an elimination order");
     d.size = (int)arena;
     d.heap = at = block, d.place = at += n, d.gain = at += n, d.rim = at += n, d.rim_before = at += n;
-    d.table = at += n, d.best = at += n, d.stage = at += n, d.moved = at += n, d.arena = at + n + 1;
+    d.table = at += n, d.best = at += n, d.stage = at += n, d.guide = at += n, d.fork = at += n, d.moved = at + n + 1,
+    d.arena = d.moved + n + 1;
     memset(d.place, -1, size * sizeof(int));
     yci_dissect_nodes(&d, n, dim, ptr, col);
     index = d.place, d.used = 0, sorted_ptr = yci_dissect_take(&d, n + 1), sorted_col = yci_dissect_take(&d, ptr[n]);
@@ -3547,23 +3613,44 @@ static yc_result yci_order_dissect(
     return result;
 }
 
-/* Minimum degree; and dissection where the order is good for so many factorisations that what it may save, about a
- * quarter of the operations from this size on, outweighs the few microseconds that it takes per node. The better one is
- * kept: on regular grids of medium size that is often minimum degree. */
+/* Dissection where the order is good for so many operations that what it saves, about a quarter of them from this size
+ * on, outweighs the few microseconds that it takes per node; otherwise minimum degree. That one is as good on grids
+ * that are numbered line by line, where most rows are the one before moved by one; and is tried as well where
+ * dissection leaves more work than a mesh should. */
 #define YCI_ORDER_SMALL 6000    /* nodes */
 #define YCI_ORDER_WORTH 30000.0 /* operations per node */
+
+/* What a factorisation takes in a mesh, roughly: fronts are as high as a line of nodes has neighbours. */
+static double yci_order_guess(int n, const int *dim, const int *ptr) {
+    double size = 0.0, neighbours = n ? (double)ptr[n] / n - 1.0 : 0.0;
+    int i;
+    for (i = 0; i < n; i++) size += (double)dim[i] / n;
+    return size * size * size * pow(neighbours * n, 1.5);
+}
+
+static int yci_order_regular(int n, const int *ptr, const int *col) {
+    int i, alike = 0;
+    for (i = 1; i < n; i++)
+        alike += ptr[i + 1] - ptr[i] == ptr[i] - ptr[i - 1] && col[ptr[i]] == col[ptr[i - 1]] + 1 &&
+            col[ptr[i + 1] - 1] == col[ptr[i] - 1] + 1;
+    return alike > n / 4 * 3;
+}
 
 static yc_result yci_order_auto(
     yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order, yci_order_fronts *fronts) {
     yci_order_fronts other;
     size_t size = (size_t)n, bytes;
-    yc_result result = yci_order_minimum_degree(c, n, dim, ptr, col, NULL, order, fronts);
+    yc_result result;
+    double guess = n < YCI_ORDER_SMALL ? 0.0 : yci_order_guess(n, dim, ptr);
     int *block;
-    if (result != YC_OK || n < YCI_ORDER_SMALL || fronts->flops < YCI_ORDER_WORTH * n) return result;
-    block = YCI_NEW(c, int, 4 * size);
+    if (guess < YCI_ORDER_WORTH * n || !n || yci_order_regular(n, ptr, col))
+        return yci_order_minimum_degree(c, n, dim, ptr, col, NULL, order, fronts);
+    result = yci_order_dissect(c, n, dim, ptr, col, order, fronts);
+    if (result != YC_OK || fronts->flops < 1.5 * guess) return result;
+    block = YCI_RAW(c, int, 4 * size);
     if (!block) return yci_out_of_memory(c, "an elimination order");
     other.size = block + size, other.below = other.size + n, other.parent = other.below + n;
-    result = yci_order_dissect(c, n, dim, ptr, col, block, &other);
+    result = yci_order_minimum_degree(c, n, dim, ptr, col, NULL, block, &other);
     if (result == YC_OK && other.flops < fronts->flops) {
         bytes = (size_t)other.count * sizeof(int);
         memcpy(order, block, size * sizeof(int)), memcpy(fronts->size, other.size, bytes);
@@ -3576,15 +3663,25 @@ static yc_result yci_order_auto(
 
 /* ------------------------------------------------------------------------------------ direct: symbolic analysis --- */
 
-#define YCI_LDL_TASKS 32 /* at most: subtrees factored at the same time */
-#define YCI_LDL_SOON 24  /* runs of values by which memory is asked ahead */
-#define YCI_LDL_STEP 64  /* columns of a front that are factored before the rest of it is updated */
+#define YCI_LDL_TASKS 32  /* at most: subtrees factored at the same time */
+#define YCI_LDL_FAR 40000 /* nodes of a pattern that may be renumbered */
+#define YCI_LDL_SOON 16   /* runs of values by which memory is asked ahead */
+#define YCI_LDL_STEP 64   /* columns of a front that are factored before the rest of it is updated */
 
-/* Values that stand side by side, and where they go: value[from + i], i < count, is added at to + i * step of the
- * panel. While the analysis runs, `to` and `step` hold the first one's row and column in the matrix. */
+/* Values of a block, and where they go: rows of `count` values side by side, each of them `stride` behind the one
+ * before, which grows by `grow` from row to row (in a lower triangle). The first goes to `to` in the panel; one further
+ * is a column further, or a row if `flip`. The analysis is given `to` as 8 * row + column in the block, and in `flip`
+ * whether the next run is of the same block. */
 typedef struct yci_ldl_run {
-    int from, count, to, step;
+    int from, to, stride;
+    unsigned char rows, count, grow, flip;
 } yci_ldl_run;
+
+/* An entry of the pattern on or below the diagonal of the permuted matrix: its row's position; the first run of its
+ * block, or the complement of that if the caller has it transposed. */
+typedef struct yci_ldl_edge {
+    int row, run;
+} yci_ldl_edge;
 
 typedef struct yci_ldl_super {
     int first, width, height; /* its first column; its columns; its rows, which begin with the columns themselves */
@@ -3632,7 +3729,8 @@ static void yci_ldl_destroy(yci_ldl *f) {
 /* What the analysis works with; everything of the size of the node count, in one block. */
 typedef struct yci_ldl_plan {
     int n, active;
-    const int *dim, *ptr, *col;
+    const int *dim, *ptr, *col, *first_run;
+    const int *index;            /* number here of the caller's nodes; NULL: the same */
     int *node, *pos;             /* node of a position, position of a node (-1: none) */
     int *parent, *first;         /* elimination tree on positions; the first position of the subtree of each */
     int *head, *next, *work;     /* work arrays */
@@ -3640,6 +3738,7 @@ typedef struct yci_ldl_plan {
     int *super_of;               /* supernode of a position */
     int *super_parent, *below;   /* of a supernode: the one above, nodes below its panel, */
     int *width, *height, *group; /* unknowns of its panel; first where it went in amalgamation, at last `below` */
+    int *last;                   /* end of its positions */
     int supers, groups;
 } yci_ldl_plan;
 
@@ -3797,12 +3896,8 @@ static void yci_ldl_regroup(yci_ldl_plan *t) {
     for (i = 0; i < t->active; i++) begin[t->super_of[i] = index[t->group[t->super_of[i]]]]++;
     for (s = 0; s < t->groups; s++) at += begin[s], begin[s] = at - begin[s];
     for (i = 0; i < t->active; i++) node[begin[t->super_of[i]]++] = t->node[i];
-    for (i = 0, s = 0; i < t->active; i++) {
-        t->node[i] = node[i], t->pos[node[i]] = i;
-        while (i >= begin[s]) s++;
-        t->super_of[i] = s;
-    }
-    for (s = 0; s < t->groups; s++) t->group[s] = t->below[s];
+    for (i = 0; i < t->active; i++) t->node[i] = node[i], t->pos[node[i]] = i;
+    for (s = 0; s < t->groups; s++) t->group[s] = t->below[s], t->last[s] = begin[s];
 }
 
 /* Supernodes from the elimination order in `node`, which is renumbered; `fronts` are those that the order was made
@@ -3900,28 +3995,41 @@ static size_t yci_ldl_place_updates(yci_ldl *f) {
     return total;
 }
 
-/* The nodes in the rows of every front below its own, from the matrix and the children, then all of them sorted at
- * once by exchanging rows and columns twice. `begin` (supers + 1) tells where each front's are in `rows`. */
-static void yci_ldl_rows(const yci_ldl *f, yci_ldl_plan *t, int *begin, int *rows, int *sorted) {
-    int s, i, k, child, first = 0, last, *start = t->work, *mark = t->count;
-    for (i = 0; i < t->active; i++) mark[i] = -1, start[i] = 0;
-    for (s = 0, begin[0] = 0; s < f->supers; s++, first = last) {
-        int used = begin[s];
-        for (last = first; last < t->active && t->super_of[last] == s;) last++;
-        for (i = first; i < last; i++) {
-            int v = t->node[i];
-            for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) {
-                int r = t->pos[t->col[k]];
-                if (r >= last && mark[r] != s) mark[r] = s, rows[used++] = r, start[r]++;
+/* What the build needs besides the plan: in `rows` the nodes below every front's own, ascending, those of front s from
+ * begin[s] on; in `edge` the entries of the columns, those of position i from edge_begin[i] on. */
+typedef struct yci_ldl_rows {
+    int *begin, *rows, *edge_begin;
+    yci_ldl_edge *edge;
+} yci_ldl_rows;
+
+/* Fills them from the matrix and the children. All fronts are sorted at once by
+ * exchanging rows and columns twice. What is not wanted is written as well, and then overwritten by what comes next. */
+static void yci_ldl_gather(const yci_ldl *f, yci_ldl_plan *t, yci_ldl_rows *m, int *sorted) {
+    int s, i = 0, k, child, edges = 0, *start = t->work, *mark = t->count + 1, *rows = m->rows, *begin = m->begin;
+    const int *pos = t->pos, *col = t->col, *run = t->first_run;
+    yci_ldl_edge *edge = m->edge;
+    for (k = 0; k < t->active; k++) start[k] = 0;
+    for (k = -1; k < t->active; k++) mark[k] = -1;
+    for (s = 0, begin[0] = 0; s < f->supers; s++) {
+        int used = begin[s], last = t->last[s];
+        for (; i < last; i++) {
+            int v = t->node[i], end = t->ptr[v + 1];
+            m->edge_begin[i] = edges;
+            for (k = t->ptr[v]; k < end; k++) {
+                int r = pos[col[k]], fresh = (r >= last) & (mark[r] != s);
+                edge[edges].row = r, edge[edges].run = run[k], edges += r >= i;
+                rows[used] = r, used += fresh, mark[r] = s;
             }
         }
         for (child = f->super[s].child; child >= 0; child = f->super[child].next)
             for (k = begin[child]; k < begin[child + 1]; k++) {
-                int r = rows[k];
-                if (r >= last && mark[r] != s) mark[r] = s, rows[used++] = r, start[r]++;
+                int r = rows[k], fresh = (r >= last) & (mark[r] != s);
+                rows[used] = r, used += fresh, mark[r] = s;
             }
+        for (k = begin[s]; k < used; k++) start[rows[k]]++;
         begin[s + 1] = used;
     }
+    m->edge_begin[i] = edges;
     for (i = 0, k = 0; i < t->active; i++) k += start[i], start[i] = k - start[i];
     for (s = 0; s < f->supers; s++)
         for (k = begin[s]; k < begin[s + 1]; k++) sorted[start[rows[k]]++] = s;
@@ -3930,116 +4038,164 @@ static void yci_ldl_rows(const yci_ldl *f, yci_ldl_plan *t, int *begin, int *row
         for (; k < start[i]; k++) rows[t->head[sorted[k]]++] = i;
 }
 
-/* Sorts the runs by supernode. Their `to` and `step` become row and column in elimination order. */
-static void yci_ldl_sort_runs(yci_ldl *f, const yci_ldl_run *given, int count, const int *rank, const int *super_at) {
-    int k, s, total = 0;
-    for (s = 0; s <= f->supers; s++) f->super[s].run = 0;
+/* A child's rows in its parent's front, in which node i begins at where[i]. */
+static void yci_ldl_relate(yci_ldl *f, const int *dim, const int *where, yci_ldl_super *v, const int *row, int count) {
+    int *rel = f->rel + v->row, *chunk = f->chunk + v->chunk, width = f->super[v->parent].width;
+    int k, used = 0, inside = 0, at = 0, word = 0, base = count ? where[row[0]] / 8 : 0;
     for (k = 0; k < count; k++) {
-        int i = rank[given[k].to], j = rank[given[k].step];
-        f->super[super_at[i < j ? i : j]].run++;
+        int place = where[row[k]], end = place + dim[row[k]];
+        inside += place < width ? end - place : 0;
+        for (; place < end; place++) {
+            if (place / 8 - base > at)
+                for (chunk[at++] = word, word = used << 8; at < place / 8 - base;) chunk[at++] = word;
+            rel[used++] = place, word |= 1 << (place & 7);
+        }
     }
-    for (s = 0; s <= f->supers; s++) total += f->super[s].run, f->super[s].run = total;
-    for (k = count - 1; k >= 0; k--) {
-        yci_ldl_run run = given[k];
-        run.to = rank[run.to], run.step = rank[run.step];
-        f->run[--f->super[super_at[run.to < run.step ? run.to : run.step]].run] = run;
-    }
+    if (count) chunk[at++] = word;
+    v->inside = inside, v->chunks = at;
 }
 
-/* Where everything goes: the caller's values in the panels, children's rows in their parents' fronts. `where` (size)
- * holds a row's place in the front at hand. */
-static void yci_ldl_maps(yci_ldl *f, int *where) {
-    int s, i, k, child, chunks = 0;
+/* The runs of a node's entries, whose column begins at `column` of its panel. Returns their number. */
+static int yci_ldl_place(const yci_ldl_edge *edge, int count, const int *where, int column, int height,
+    const yci_ldl_run *given, yci_ldl_run *run) {
+    int k, used = 0;
+    for (k = 0; k < count; k++) {
+        int row = where[edge[k].row], flip = edge[k].run < 0;
+        const yci_ldl_run *from = given + (flip ? ~edge[k].run : edge[k].run);
+        do {
+            int r = from->to >> 3, c = from->to & 7;
+            run[used] = *from, run[used].flip = (unsigned char)flip;
+            run[used++].to = (column + (flip ? r : c)) * height + row + (flip ? c : r);
+        } while (from++->flip);
+    }
+    return used;
+}
+
+/* Where everything goes: the fronts' rows, children's rows in their parents' fronts, the caller's values in the panels.
+ * Positions have their numbers of unknowns in `dim` and their first ones in `first`; `where` holds a node's place in
+ * the front at hand. */
+static void yci_ldl_maps(yci_ldl *f, const yci_ldl_plan *t, const int *dim, const int *first, int *where,
+    const yci_ldl_rows *m, const yci_ldl_run *given) {
+    int s, i = 0, k, a, child, at = 0, chunks = 0, runs = 0, *row = f->row;
     for (s = 0; s < f->supers; s++) {
         yci_ldl_super *u = f->super + s;
-        int below = u->height - u->width;
-        for (i = 0; i < u->width; i++) where[u->first + i] = i;
-        for (i = 0; i < below; i++) where[f->row[u->row + i]] = u->width + i;
+        int place = u->width;
+        u->row = at, u->run = runs;
+        for (k = i; k < t->last[s]; k++) where[k] = first[k] - u->first;
+        for (k = m->begin[s]; k < m->begin[s + 1]; k++) {
+            int r = m->rows[k];
+            where[r] = place, place += dim[r];
+            for (a = 0; a < dim[r]; a++) row[at++] = first[r] + a;
+        }
+        for (a = 1; a < YCI_OVERREAD; a++) row[at++] = f->size;
         for (child = u->child; child >= 0; child = f->super[child].next) {
             yci_ldl_super *v = f->super + child;
-            int rows = v->height - v->width, *rel = f->rel + v->row, *chunk = f->chunk + chunks, at = 0;
-            v->chunk = chunks, v->inside = 0;
-            for (k = 0; k < rows; k++) {
-                int place = rel[k] = where[f->row[v->row + k]];
-                if (place < u->width) v->inside = k + 1;
-                for (; at <= place / 8 - rel[0] / 8; at++) chunk[at] = k << 8;
-                chunk[at - 1] |= 1 << (place & 7);
-            }
-            v->chunks = at, chunks += at;
+            v->chunk = chunks;
+            yci_ldl_relate(f, dim, where, v, m->rows + m->begin[child], m->begin[child + 1] - m->begin[child]);
+            chunks += v->chunks;
         }
-        for (k = u[0].run; k < u[1].run; k++) {
-            yci_ldl_run *run = f->run + k;
-            int row = run->to, column = run->step, flip = row < column;
-            run->step = flip ? 1 : u->height;
-            run->to =
-                flip ? (row - u->first) * u->height + where[column] : (column - u->first) * u->height + where[row];
-        }
+        for (; i < t->last[s]; i++)
+            runs += yci_ldl_place(m->edge + m->edge_begin[i], m->edge_begin[i + 1] - m->edge_begin[i], where, where[i],
+                u->height, given, f->run + runs);
+    }
+    f->super[s].row = at, f->super[s].run = runs;
+}
+
+/* The unknowns in elimination order; leaves in `dim` and `first` what yci_ldl_maps wants. */
+static void yci_ldl_number(yci_ldl *f, const yci_ldl_plan *t, int *dim, int *first) {
+    int i, k, a, at = 0, *unknown = t->work;
+    memset(f->dim, 0, (size_t)f->size);
+    for (i = 0, k = 0; i < t->n; i++) {
+        int v = t->index ? t->index[i] : i;
+        unknown[v] = k, k += t->dim[v];
+    }
+    for (i = 0; i < t->active; i++) {
+        int v = t->node[i];
+        dim[i] = t->dim[v], first[i] = at, f->dim[at] = (unsigned char)dim[i];
+        for (a = 0; a < dim[i]; a++) f->unknown[at++] = unknown[v] + a;
     }
 }
 
 /* Everything of the factor that depends on the plan's outcome, but for L itself. Returns 0 without memory. */
 static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, int run_count) {
     yci_context *c = f->c;
-    size_t n = (size_t)f->size, node_rows = 0, rows = 0, chunks = 0;
-    int *block, *rank, *super_at, *where, *begin, *node_row, *sorted, s, i, k, a, at = 0;
+    size_t n = (size_t)f->size, node_rows = 1, rows = 0, chunks = 0,
+           edges = ((size_t)t->ptr[t->n] + (size_t)t->n) / 2 + 1;
+    int *block, s, i, ok;
+    yci_ldl_rows m;
     f->supers = t->groups;
     for (s = 0; s < f->supers; s++) {
         node_rows += (size_t)t->group[s];
         rows += (size_t)(t->height[s] - t->width[s] + YCI_OVERREAD - 1);
+        if (t->super_parent[s] >= 0) chunks += (size_t)t->height[t->super_parent[s]] / 8 + 1;
+        if (t->height[s] > INT_MAX >> 9 || t->width[s] > INT_MAX / t->height[s]) return 0; /* beyond what maps hold */
     }
     if (rows > INT_MAX) return 0;
     f->super = YCI_RAW(c, yci_ldl_super, f->supers + 1), f->task = (int(*)[2])YCI_RAW(c, int, 2 * YCI_LDL_TASKS);
-    block = YCI_RAW(c, int, 3 * n + (size_t)f->supers + 1 + 2 * node_rows);
-    f->unknown = YCI_RAW(c, int, n), f->dim = YCI_NEW(c, unsigned char, n);
-    f->row = YCI_RAW(c, int, rows), f->rel = YCI_RAW(c, int, rows);
+    block = YCI_RAW(c, int, (size_t)f->supers + 1 + 2 * node_rows + 2 * edges);
+    f->unknown = YCI_RAW(c, int, n), f->dim = YCI_RAW(c, unsigned char, n);
+    f->row = YCI_RAW(c, int, rows), f->rel = YCI_RAW(c, int, rows), f->chunk = YCI_RAW(c, int, chunks);
     f->run = YCI_RAW(c, yci_ldl_run, run_count);
-    if (f->super && f->task && block && f->unknown && f->dim && f->row && f->rel && f->run) {
-        rank = block, super_at = rank + n, where = super_at + n, begin = where + n;
-        node_row = begin + f->supers + 1, sorted = node_row + node_rows;
+    ok = f->super && f->task && block && f->unknown && f->dim && f->row && f->rel && f->run && f->chunk;
+    if (ok) {
+        m.edge = (yci_ldl_edge *)block, m.begin = block + 2 * edges, m.rows = m.begin + f->supers + 1;
+        m.edge_begin = t->first;
         yci_ldl_measure(f, t);
-        yci_ldl_rows(f, t, begin, node_row, sorted);
-        for (i = 0, k = 0; i < t->n; i++) t->head[i] = k, k += t->dim[i];
-        for (i = 0; i < t->active; i++) {
-            int v = t->node[i];
-            t->next[i] = at, f->dim[at] = (unsigned char)t->dim[v];
-            for (a = 0; a < t->dim[v]; a++, at++)
-                f->unknown[at] = t->head[v] + a, rank[t->head[v] + a] = at, super_at[at] = t->super_of[i];
+        yci_ldl_gather(f, t, &m, m.rows + node_rows);
+        yci_ldl_number(f, t, t->count, t->next);
+        yci_ldl_maps(f, t, t->count, t->next, t->head, &m, run);
+        for (s = 0; s < f->supers; s++) {
+            f->super[s].pivot = (int)f->pivot_size;
+            for (i = f->super[s].first; i < f->super[s + 1].first; i++)
+                f->pivot_size += f->spd ? 1 : (size_t)(f->dim[i] * f->dim[i]);
         }
-        for (s = 0, at = 0; s < f->supers; s++) {
-            yci_ldl_super *u = f->super + s;
-            u->row = at;
-            for (k = begin[s]; k < begin[s + 1]; k++)
-                for (a = 0, i = t->next[node_row[k]]; a < t->dim[t->node[node_row[k]]]; a++) f->row[at++] = i + a;
-            for (a = 1; a < YCI_OVERREAD; a++) f->row[at++] = f->size;
-            if (u->parent >= 0 && at > u->row) chunks += (size_t)f->super[u->parent].height / 8 + 1;
-        }
-        f->super[s].row = at;
-        for (s = 0, k = 0; s < f->supers; s++) {
-            f->super[s].pivot = k;
-            for (i = f->super[s].first; i < f->super[s + 1].first; i++) k += f->spd ? 1 : f->dim[i] * f->dim[i];
-        }
-        f->pivot_size = (size_t)k;
         yci_ldl_cut(f);
         f->update_size = yci_ldl_place_updates(f);
-        yci_ldl_sort_runs(f, run, run_count, rank, super_at);
-        f->chunk = YCI_RAW(c, int, chunks);
-        if (f->chunk) yci_ldl_maps(f, where);
     }
     yci_free(c, block);
     f->scaled_size = f->spd ? 0 : (size_t)(f->tallest + YCI_OVERREAD) * YCI_LDL_STEP;
-    return f->chunk != NULL;
+    return ok;
+}
+
+/* Whether neighbours are so far from each other in memory that it pays to renumber a pattern that does not fit a
+ * cache. */
+static int yci_ldl_far(int n, const int *ptr, const int *col) {
+    double sum = 0.0;
+    int i, count = 0;
+    for (i = 0; i < n; i += 16, count++) sum += abs(col[ptr[i + 1] - 1] - i);
+    return n >= YCI_LDL_FAR && sum > 0.125 * n * count;
+}
+
+/* The plan of a pattern whose nodes are renumbered breadth first, in one block; NULL without memory. */
+static int *yci_ldl_localise(yci_context *c, yci_ldl_plan *t) {
+    size_t size = (size_t)t->n, entries = (size_t)t->ptr[t->n];
+    int *block = YCI_RAW(c, int, 4 * size + 1 + 2 * entries), *index = block, i, k, used = 0;
+    if (block) {
+        int *name = index + size, *dim = name + size, *ptr = dim + size, *col = ptr + size + 1, *run = col + entries;
+        for (i = 0; i < t->n; i++) index[i] = -1;
+        yci_order_breadth(t->n, t->ptr, t->col, index, name);
+        for (i = 0; i < t->n; i++) {
+            int v = name[i];
+            ptr[i] = used, dim[i] = t->dim[v];
+            for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) col[used] = index[t->col[k]], run[used++] = t->first_run[k];
+        }
+        ptr[i] = used, t->index = index, t->dim = dim, t->ptr = ptr, t->col = col, t->first_run = run;
+    }
+    return block;
 }
 
 /* Analyses a full symmetric pattern of nodes with its diagonal (as of yci_bsr). `order` names the node eliminated k-th,
- * or is NULL for the library's choice. The runs give all values on and below the caller's diagonal, in any order; each
- * stays within the columns of one node. Nothing of the arguments is kept. On failure *out is NULL. */
+ * or is NULL for the library's choice. The runs give all values on and below the caller's diagonal, block by block;
+ * `first_run` is the first one of every entry of the pattern, or below the diagonal its complement: a node that is
+ * eliminated before an earlier one has their block transposed. Nothing of the arguments is kept. On failure *out is
+ * NULL. */
 static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const int *ptr, const int *col,
-    const int *order, int spd, const yci_ldl_run *run, size_t run_count, yci_ldl **out) {
+    const int *first_run, const yci_ldl_run *run, size_t run_count, const int *order, int spd, yci_ldl **out) {
     yci_ldl_plan t;
     yci_order_fronts fronts;
     yci_ldl *f = YCI_NEW(c, yci_ldl, 1);
     size_t size = (size_t)n + 1;
-    int *block = YCI_NEW(c, int, 16 * size), *at = block, i, ok;
+    int *block = YCI_RAW(c, int, 17 * size), *at = block, *local = NULL, i, ok;
     yc_result result = YC_OK;
     *out = NULL;
     memset(&t, 0, sizeof t), memset(&fronts, 0, sizeof fronts);
@@ -4047,26 +4203,27 @@ static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const in
     if (f) f->c = c;
     if (ok) {
         f->c = c, f->kernels = yci_kernels_best(), f->spd = spd;
-        t.n = n, t.dim = dim, t.ptr = ptr, t.col = col;
+        t.n = n, t.dim = dim, t.ptr = ptr, t.col = col, t.first_run = first_run;
         t.node = at, t.pos = at += size, t.parent = at += size, t.first = at += size, t.head = at += size;
         t.next = at += size, t.work = at += size, t.count = at += size, t.weight = at += size;
         t.super_of = at += size, t.super_parent = at += size, t.below = at += size, t.width = at += size;
-        t.height = at += size, t.group = at += size, at += size;
+        t.height = at += size, t.group = at += size, t.last = at += size, at += size;
         fronts.size = t.width, fronts.below = t.below, fronts.parent = t.super_parent;
-        if (!order) result = yci_order_auto(c, n, dim, ptr, col, at, &fronts);
-        for (i = 0; i < n; i++) t.pos[i] = -1;
-        for (i = 0; result == YC_OK && i < n; i++) {
+        if (!order && yci_ldl_far(n, ptr, col)) ok = (local = yci_ldl_localise(c, &t)) != NULL;
+        if (!order && ok) result = yci_order_auto(c, n, t.dim, t.ptr, t.col, at, &fronts);
+        for (i = 0; i < n; i++) t.pos[i] = -1, t.work[i] = 0;
+        for (i = 0; ok && result == YC_OK && i < n; i++) {
             int v = order ? order[i] : at[i];
             if (v < 0 || v >= n || t.work[v]++)
                 result = YCI_FAIL(c, YC_ERROR_ARGUMENT, "elimination order: entry %d is %d, of %d nodes", i, v, n);
-            else if (dim[v]) t.pos[v] = t.active, t.node[t.active++] = v, f->size += dim[v];
+            else if (t.dim[v]) t.pos[v] = t.active, t.node[t.active++] = v, f->size += t.dim[v];
         }
     }
     if (ok && result == YC_OK) {
         yci_ldl_lay_out(&t, &fronts);
         ok = yci_ldl_build(f, &t, run, (int)run_count);
     }
-    yci_free(c, block);
+    yci_free(c, block), yci_free(c, local);
     if (ok && result == YC_OK) {
         *out = f;
         return YC_OK;
@@ -4077,26 +4234,32 @@ static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const in
 
 /* The same for a block matrix, whose values yci_ldl_factor is then given. */
 static yc_result yci_ldl_analyze_bsr(yci_context *c, const yci_bsr *m, const int *order, int spd, yci_ldl **out) {
-    size_t count = 0, used = 0;
-    int i, k, a;
+    size_t count = 0;
+    int i, k, a, used = 0, *first_run = YCI_RAW(c, int, m->ptr[m->n]), *mirror = YCI_RAW(c, int, m->n);
     yci_ldl_run *run;
     yc_result result;
     *out = NULL;
-    for (i = 0; i < m->n; i++) count += (size_t)m->dim[i] * (size_t)(m->diag[i] - m->ptr[i] + 1);
+    for (i = 0; i < m->n; i++) count += (size_t)(m->diag[i] - m->ptr[i] + m->dim[i] + 1);
     run = YCI_RAW(c, yci_ldl_run, count);
-    if (!run || m->at[m->ptr[m->n]] > INT_MAX) {
-        yci_free(c, run);
+    if (!run || !first_run || !mirror || m->at[m->ptr[m->n]] > INT_MAX) {
+        yci_free(c, run), yci_free(c, first_run), yci_free(c, mirror);
         return yci_out_of_memory(c, "a sparse factorisation");
     }
-    for (i = 0; i < m->n; i++)
-        for (k = m->ptr[i]; k <= m->diag[i]; k++)
-            for (a = 0; a < m->dim[i] && m->dim[m->col[k]]; a++, used++) {
-                int j = m->col[k], columns = m->dim[j];
-                run[used].from = (int)m->at[k] + a * columns, run[used].count = k == m->diag[i] ? a + 1 : columns;
-                run[used].to = m->off[i] + a, run[used].step = m->off[j];
+    for (i = 0; i < m->n; i++) {
+        mirror[i] = m->diag[i];
+        for (k = m->ptr[i]; k <= m->diag[i]; k++) {
+            int j = m->col[k], columns = m->dim[j], whole = j < i;
+            first_run[k] = ~used, first_run[mirror[j]++] = used;
+            for (a = 0; a < (whole ? 1 : m->dim[i]); a++, used++) {
+                run[used].from = (int)m->at[k] + a * columns, run[used].to = 8 * a, run[used].stride = columns;
+                run[used].rows = (unsigned char)(whole ? m->dim[i] : 1), run[used].grow = 0;
+                run[used].count = (unsigned char)(whole ? columns : a + 1), run[used].flip = a + 1 < m->dim[i];
+                if (whole) run[used].flip = 0;
             }
-    result = yci_ldl_analyze(c, m->n, m->dim, m->ptr, m->col, order, spd, run, used, out);
-    yci_free(c, run);
+        }
+    }
+    result = yci_ldl_analyze(c, m->n, m->dim, m->ptr, m->col, first_run, run, (size_t)used, order, spd, out);
+    yci_free(c, run), yci_free(c, first_run), yci_free(c, mirror);
     return result;
 }
 
@@ -4125,11 +4288,14 @@ static void yci_ldl_assemble(const yci_ldl *f, const yci_ldl_super *s, const dou
     int k, i, a, b, d, child, runs = f->super[f->supers].run;
     memset(panel, 0, (size_t)(s[1].panel - s->panel) * sizeof *panel);
     for (k = s->run; k < s[1].run; k++) {
-        const double *from = value + f->run[k].from;
-        double *to = panel + f->run[k].to;
-        size_t step = (size_t)f->run[k].step;
-        if (k + YCI_LDL_SOON < runs) YCI_PREFETCH(value + f->run[k + YCI_LDL_SOON].from);
-        for (i = 0; i < f->run[k].count; i++) to[(size_t)i * step] = from[i];
+        const yci_ldl_run *run = f->run + k;
+        const double *from = value + run->from;
+        double *to = panel + run->to;
+        size_t along = run->flip ? 1 : h, down = run->flip ? h : 1;
+        int stride = run->stride;
+        if (k + YCI_LDL_SOON < runs) YCI_PREFETCH(value + run[YCI_LDL_SOON].from);
+        for (a = 0; a < run->rows; a++, from += stride, stride += run->grow, to += down)
+            for (i = 0; i < run->count; i++) to[(size_t)i * along] = from[i];
     }
     for (i = 0; i < s->width; i += d) {
         const double *corner = panel + (size_t)i * (h + 1);
@@ -4564,24 +4730,40 @@ YC_API void yc_chol_destroy(yc_chol *chol) {
     yci_free(&c, chol);
 }
 
-/* A pattern is right when its rows ascend without duplicates and it is lower, or mirrored in full. `cursor` (n) walks
- * every row once: entry (i, j) must find (j, i) next in row j. */
-static yc_result yci_chol_check(yci_context *c, int n, const int *ptr, const int *col, int *cursor, int *lower) {
-    int i, k, upper = 0;
+/* Whether the entries of a row from the given one on ascend, within 0 to n - 1; `k` becomes the first that does not. */
+static int yci_chol_ascends(int n, const int *col, int begin, int end, int *k) {
+    int i, wrong = 0;
+    for (i = begin + 1; i < end; i++) wrong |= col[i] <= col[i - 1];
+    *k = begin;
+    if (begin == end || (!wrong && col[begin] >= 0 && col[end - 1] < n)) return 1;
+    while (col[*k] >= 0 && col[*k] < n && (*k == begin || col[*k] > col[*k - 1])) ++*k;
+    return 0;
+}
+
+/* A pattern is right when its rows ascend without duplicates and it is lower, or mirrored in full. `shared` (n) becomes
+ * how many entries every row has in common with the one before, all of the shorter one or none. At last `cursor` (n)
+ * walks every row once: entry (i, j) must find (j, i) next in row j. */
+static yc_result yci_chol_check(
+    yci_context *c, int n, const int *ptr, const int *col, int *shared, int *cursor, int *lower) {
+    int i, k, upper = 0, length = 0;
     if (ptr[0] != 0) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[0] is %d", ptr[0]);
     for (i = 0; i < n; i++) {
-        if (ptr[i + 1] < ptr[i])
+        int begin = ptr[i], end = ptr[i + 1], same = end - begin < length ? end - begin : length;
+        if (end < begin)
             return YCI_FAIL(
                 c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[%d] is %d, after %d", i + 1, ptr[i + 1], ptr[i]);
-        for (k = ptr[i]; k < ptr[i + 1]; k++) {
+        if (same &&
+            (col[begin] != col[begin - length] ||
+                memcmp(col + begin, col + begin - length, (size_t)same * sizeof *col) != 0))
+            same = 0;
+        if (!yci_chol_ascends(n, col, begin + (same ? same - 1 : 0), end, &k)) {
             if (col[k] < 0 || col[k] >= n)
                 return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: col[%d] is %d, n is %d", k, col[k], n);
-            if (k > ptr[i] && col[k] <= col[k - 1])
-                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: row %d is not ascending: %s %d at col[%d]", i,
-                    col[k] == col[k - 1] ? "duplicate" : "unsorted", col[k], k);
-            upper |= col[k] > i;
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: row %d is not ascending: %s %d at col[%d]", i,
+                col[k] == col[k - 1] ? "duplicate" : "unsorted", col[k], k);
         }
-        cursor[i] = ptr[i];
+        upper |= end > begin && col[end - 1] > i;
+        shared[i] = same, cursor[i] = begin, length = end - begin;
     }
     *lower = !upper;
     for (i = 0; upper && i < n; i++)
@@ -4596,69 +4778,129 @@ static yc_result yci_chol_check(yci_context *c, int n, const int *ptr, const int
     return YC_OK;
 }
 
-/* The full symmetric pattern of nodes of b unknowns. Two passes, the first of which only counts: an entry below the
- * diagonal is seen in its own row, once per node, and gives two. `seen` has one number per node; the caller gives room
- * for `graph_col` between the passes, and NULL before. */
-static void yci_chol_graph(
-    int nodes, int b, const int *ptr, const int *col, int *seen, int *graph_ptr, int *graph_col) {
-    int i, k;
-    for (i = 0; i < nodes; i++) seen[i] = -1;
-    if (!graph_col)
-        for (i = 0; i <= nodes; i++) graph_ptr[i] = 0;
+/* The blocks of every node with earlier ones and then with itself, from begin[i] on: the other node, and its first run.
+ * Every block has one. */
+typedef struct yci_chol_blocks {
+    int b, count, run_count;
+    const int *ptr, *col; /* of the caller */
+    int *begin, *node, *first_run;
+    yci_ldl_run *run;
+} yci_chol_blocks;
+
+static yci_ldl_run *yci_chol_run(yci_chol_blocks *m, int from, int to, int rows, int count) {
+    yci_ldl_run *run = m->run + m->run_count++;
+    run->from = from, run->to = to, run->stride = 0;
+    run->rows = (unsigned char)rows, run->count = (unsigned char)count, run->grow = 0, run->flip = 1;
+    return run;
+}
+
+/* The block of nodes i and j, row by row. `at` is where the rows of i have come to. */
+static void yci_chol_block(yci_chol_blocks *m, int i, int j, int *at) {
+    int a, count, b = m->b;
+    m->node[m->count] = j, m->first_run[m->count++] = m->run_count;
+    for (a = 0; a < b; a++) {
+        int row = b * i + a, limit = j < i ? b * (j + 1) : row + 1, end = m->ptr[row + 1];
+        for (; at[a] < end && m->col[at[a]] < limit; at[a] += count) {
+            const int *col = m->col + at[a];
+            for (count = 1; at[a] + count < end && col[count] == *col + count && col[count] < limit;) count++;
+            yci_chol_run(m, at[a], 8 * a + *col - b * j, 1, count);
+        }
+    }
+    if (m->run_count == m->first_run[m->count - 1]) yci_chol_run(m, 0, 0, 0, 0);
+    m->run[m->run_count - 1].flip = 0;
+}
+
+/* The blocks of node i if all of its rows begin with the same `off` entries and these are whole blocks, as one run
+ * each; otherwise returns 0. */
+static int yci_chol_whole(yci_chol_blocks *m, int i, int off, const int *shared, int grow) {
+    int b = m->b, a, k, begin = m->ptr[b * i], stride = m->ptr[b * i + 1] - begin;
+    int count = m->count, runs = m->run_count;
+    const int *row = m->ptr + b * i;
+    for (a = 1; a < b; a++)
+        if (shared[b * i + a] < off || row[a + 1] - row[a] != stride + a * grow) return 0;
+    for (k = begin; k < begin + off; k += b) {
+        int j = b == 1 ? m->col[k] : m->col[k] / b;
+        yci_ldl_run *run;
+        if (begin + off - k < b || m->col[k] != j * b || m->col[k + b - 1] != j * b + b - 1) {
+            m->count = count, m->run_count = runs;
+            return 0;
+        }
+        m->node[m->count] = j, m->first_run[m->count++] = m->run_count;
+        run = yci_chol_run(m, k, 0, b, b);
+        run->stride = stride, run->grow = (unsigned char)grow, run->flip = 0;
+    }
+    return 1;
+}
+
+/* All blocks; `shared` is as of yci_chol_check. */
+static void yci_chol_scan(yci_chol_blocks *m, int nodes, const int *shared, int lower) {
+    int i, a, b = m->b, at[YCI_BLOCK_MAX];
     for (i = 0; i < nodes; i++) {
-        if (graph_col) graph_col[graph_ptr[i]] = i;
-        graph_ptr[i]++;
-        for (k = ptr[b * i]; k < ptr[b * (i + 1)]; k++) {
-            int j = b == 1 ? col[k] : col[k] / b;
-            if (j >= i || seen[j] == i) continue;
-            seen[j] = i;
-            if (graph_col) graph_col[graph_ptr[i]] = j, graph_col[graph_ptr[j]] = i;
-            graph_ptr[i]++, graph_ptr[j]++;
+        const int *row = m->ptr + b * i;
+        int off = row[1] - row[0];
+        while (off && m->col[row[0] + off - 1] >= b * i) off--;
+        m->begin[i] = m->count;
+        if (yci_chol_whole(m, i, off, shared, lower))
+            for (a = 0; a < b; a++) at[a] = row[a] + off;
+        else {
+            int j;
+            for (a = 0; a < b; a++) at[a] = row[a];
+            do {
+                for (a = 0, j = i; a < b; a++)
+                    if (at[a] < row[a + 1] && m->col[at[a]] / b < j) j = m->col[at[a]] / b;
+                if (j < i) yci_chol_block(m, i, j, at);
+            } while (j < i);
         }
+        yci_chol_block(m, i, i, at);
     }
-    if (!graph_col) { /* counts become beginnings; the second pass turns these into ends */
-        int total = 0;
-        for (i = 0; i <= nodes; i++) k = graph_ptr[i], graph_ptr[i] = total, total += k;
-    } else {
-        for (i = nodes; i > 0; i--) graph_ptr[i] = graph_ptr[i - 1];
-        graph_ptr[0] = 0;
-    }
+    m->begin[nodes] = m->count;
 }
 
-/* The values of the lower triangle, those side by side within a node as one run. Returns the number of runs. */
-static size_t yci_chol_runs(int n, int b, const int *ptr, const int *col, yci_ldl_run *run) {
-    size_t used = 0;
-    int i, k, count;
-    for (i = 0; i < n; i++)
-        for (k = ptr[i]; k < ptr[i + 1] && col[k] <= i; k += count) {
-            int limit = b == 1 ? 1 : b - col[k] % b;
-            for (count = 1;
-                 count < limit && k + count < ptr[i + 1] && col[k + count] == col[k] + count && col[k + count] <= i;)
-                count++;
-            run[used].from = k, run[used].count = count, run[used].to = i, run[used++].step = col[k];
+/* The full symmetric pattern, with the first run of every entry. */
+static void yci_chol_graph(const yci_chol_blocks *m, int nodes, int *ptr, int *col, int *first_run) {
+    const int *begin = m->begin, *node = m->node, *run = m->first_run;
+    int i, k, total = 0;
+    for (i = 0; i < nodes; i++) ptr[i] = begin[i + 1] - begin[i];
+    for (i = 0; i < nodes; i++)
+        for (k = begin[i]; k < begin[i + 1] - 1; k++) ptr[node[k]]++;
+    for (i = 0; i < nodes; i++) k = ptr[i], ptr[i] = total, total += k;
+    for (i = 0; i < nodes; i++)
+        for (k = begin[i]; k < begin[i + 1]; k++) {
+            int j = node[k];
+            col[ptr[i]] = j, first_run[ptr[i]++] = j < i ? ~run[k] : run[k];
+            if (j < i) col[ptr[j]] = i, first_run[ptr[j]++] = run[k];
         }
-    return used;
+    for (i = nodes; i > 0; i--) ptr[i] = ptr[i - 1]; /* ends become beginnings */
+    ptr[0] = 0;
 }
 
-static yc_result yci_chol_build(yc_chol *chol, const int *ptr, const int *col, const yc_chol_options *options) {
+static yc_result yci_chol_build(
+    yc_chol *chol, const int *ptr, const int *col, const int *shared, const yc_chol_options *options) {
     yci_context *c = &chol->context;
     int b = options->block, nodes = chol->n / b, i;
-    int *block = YCI_RAW(c, int, 3 * (size_t)nodes + 1), *dim = block, *graph_ptr = block + nodes, *graph_col = NULL;
-    yci_ldl_run *run = YCI_RAW(c, yci_ldl_run, ptr[chol->n]);
+    size_t size = (size_t)nodes, most = 0, entries;
+    int *block, *dim, *graph = NULL;
+    yci_chol_blocks m;
     yc_result result = YC_ERROR_MEMORY;
-    if (block && run) {
-        yci_chol_graph(nodes, b, ptr, col, graph_ptr + nodes + 1, graph_ptr, NULL);
-        graph_col = YCI_RAW(c, int, graph_ptr[nodes]);
+    for (i = 0; i < nodes; i++) most += (size_t)(ptr[b * (i + 1)] - ptr[b * i] + 2);
+    memset(&m, 0, sizeof m);
+    m.b = b, m.ptr = ptr, m.col = col;
+    block = YCI_RAW(c, int, 3 * size + 2 + 2 * most), m.run = YCI_RAW(c, yci_ldl_run, most);
+    if (block && m.run) {
+        dim = block, m.begin = dim + nodes, m.node = m.begin + nodes + 1, m.first_run = m.node + most;
+        yci_chol_scan(&m, nodes, shared, chol->lower);
+        entries = 2 * (size_t)m.count - size;
+        if (entries < INT_MAX) graph = YCI_RAW(c, int, size + 1 + 2 * entries);
     }
-    if (graph_col) {
-        yci_chol_graph(nodes, b, ptr, col, graph_ptr + nodes + 1, graph_ptr, graph_col);
+    if (graph) {
+        yci_chol_graph(&m, nodes, graph, graph + nodes + 1, graph + nodes + 1 + entries);
         for (i = 0; i < nodes; i++) dim[i] = b;
-        result = yci_ldl_analyze(c, nodes, dim, graph_ptr, graph_col, options->order, options->kind == YC_CHOL_SPD, run,
-            yci_chol_runs(chol->n, b, ptr, col, run), &chol->ldl);
+        result = yci_ldl_analyze(c, nodes, dim, graph, graph + nodes + 1, graph + nodes + 1 + entries, m.run,
+            (size_t)m.run_count, options->order, options->kind == YC_CHOL_SPD, &chol->ldl);
         if (result == YC_OK && !(chol->work = YCI_RAW(c, double, yc_chol_work(chol)))) result = YC_ERROR_MEMORY;
         if (result == YC_OK) chol->ldl->shift = options->shift;
     }
-    yci_free(c, block), yci_free(c, run), yci_free(c, graph_col);
+    yci_free(c, block), yci_free(c, m.run), yci_free(c, graph);
     return result == YC_ERROR_MEMORY ? yci_out_of_memory(c, "a sparse factorisation") : result;
 }
 
@@ -4667,7 +4909,7 @@ YC_API yc_result yc_chol_analyze(
     yci_context c;
     yc_chol_options defaults;
     yc_chol *chol;
-    int *cursor;
+    int *shared;
     yc_result result;
     if (!out) return YC_ERROR_ARGUMENT;
     *out = NULL;
@@ -4690,11 +4932,11 @@ YC_API yc_result yc_chol_analyze(
         return result;
     }
     chol->context = c, chol->n = n, chol->block = options->block, chol->entries = (size_t)ptr[n];
-    cursor = YCI_RAW(&chol->context, int, n);
-    result = cursor ? yci_chol_check(&chol->context, n, ptr, col, cursor, &chol->lower)
+    shared = YCI_RAW(&chol->context, int, 2 * (size_t)n);
+    result = shared ? yci_chol_check(&chol->context, n, ptr, col, shared, shared + n, &chol->lower)
                     : yci_out_of_memory(&chol->context, "a pattern");
-    yci_free(&chol->context, cursor);
-    if (result == YC_OK) result = yci_chol_build(chol, ptr, col, options);
+    if (result == YC_OK) result = yci_chol_build(chol, ptr, col, shared, options);
+    yci_free(&chol->context, shared);
     if (result == YC_OK) {
         *out = chol;
         return YC_OK;
@@ -4704,24 +4946,22 @@ YC_API yc_result yc_chol_analyze(
     return result;
 }
 
-/* The first value that is not finite, or `count`; values that count are all or those of the runs. A sum of 0 * x is NaN
- * when one of them is not finite. */
+/* The first value that is not finite, or `entries`; only those of the runs count. A sum of 0 * x is NaN when one of
+ * them is not finite. */
 static size_t yci_chol_not_finite(const yc_chol *chol, const double *values) {
     const yci_ldl *f = chol->ldl;
     size_t k, first = chol->entries;
-    int i, r, runs = f->super[f->supers].run;
+    int i, a, r;
     double sum = 0.0;
-    if (chol->lower)
-        for (k = 0; k < chol->entries; k++) sum += 0.0 * values[k];
-    else
-        for (r = 0; r < runs; r++)
-            for (i = 0; i < f->run[r].count; i++) sum += 0.0 * values[f->run[r].from + i];
+    for (k = 0; k < chol->entries; k++) sum += 0.0 * values[k];
     if (sum == 0.0) return first;
-    for (r = 0; r < runs; r++)
-        for (i = 0; i < f->run[r].count; i++) {
-            k = (size_t)(f->run[r].from + i);
-            if (!(fabs(values[k]) <= DBL_MAX) && k < first) first = k;
-        }
+    for (r = 0; r < f->super[f->supers].run; r++) {
+        const yci_ldl_run *run = f->run + r;
+        int from = run->from, stride = run->stride;
+        for (a = 0; a < run->rows; a++, from += stride, stride += run->grow)
+            for (i = from; i < from + run->count; i++)
+                if (!(fabs(values[i]) <= DBL_MAX) && (size_t)i < first) first = (size_t)i;
+    }
     return first;
 }
 
