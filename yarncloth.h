@@ -69,8 +69,10 @@
  * runs host.parallel_for. Results are the same bits for any number of workers, in one build on one machine.
  *
  * MACROS. YARNCLOTH_IMPLEMENTATION as above; YC_API in front of public functions (extern by default; define it as
- * static for a private copy). YC_USE_LAPACK: yc_lu_factor and yc_lu_solve call dgetrf_ and dgetrs_ (32-bit integers)
- * of a LAPACK that you link. Do not compile with -ffast-math: the file refuses it.
+ * static for a private copy). YC_USE_LAPACK: yc_lu_factor and yc_lu_solve call dgetrf_ and dgetrs_, large fronts of a
+ * sparse factor dgemm_ (32-bit integers) of a LAPACK that you link. YC_NO_SIMD: no vector instructions beyond the
+ * compiler's own. YC_SELF: this file's name in quotes where you have renamed it, since it includes itself to compile its
+ * kernels for several instruction sets. Do not compile with -ffast-math: the file refuses it.
  *
  * CONTENTS. Search for the tag. Declarations first, complete with their documentation; stop reading where they end
  * if you only want to use the library. A chapter of the implementation calls only chapters above it.
@@ -215,8 +217,8 @@ typedef struct yc_chol_options {
     /* n / block nodes: the node eliminated k-th; read during the analysis only. Default NULL: the library's choice, by
      * size and pattern, between minimum degree and nested dissection. */
     const int *order;
-    /* n / block numbers >= 0, ignored with `order`: nodes of a lower stage are eliminated before those of a higher one.
-     * Read during the analysis only. Default NULL: no such constraint. */
+    /* n / block numbers of 0 to n / block - 1, ignored with `order`: nodes of a lower stage are eliminated before those of
+     * a higher one. Read during the analysis only. Default NULL: no such constraint. */
     const int *stage;
     /* YC_CHOL_QUASIDEFINITE: what a pivot block without an inverse has added to its diagonal, away from zero, in the
      * matrix's unit; >= 0. The factor is then that of a nearby matrix: see yc_chol_refine, and `shifted` in the
@@ -1261,6 +1263,30 @@ typedef struct yci_kernels {
         int n, const double *f, size_t ld, const double *inverse, double *x, size_t ldx, int count);
 } yci_kernels;
 
+#ifdef YC_USE_LAPACK
+#ifdef __cplusplus
+extern "C" {
+#endif
+void dgemm_(const char *transpose_a, const char *transpose_b, const int *m, const int *n, const int *k,
+    const double *alpha, const double *a, const int *lda, const double *b, const int *ldb, const double *beta,
+    double *c, const int *ldc);
+void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *pivot, int *info);
+void dgetrs_(const char *transposed, const int *n, const int *count, const double *a, const int *lda, const int *pivot,
+    double *x, const int *ldx, int *info);
+#ifdef __cplusplus
+}
+#endif
+
+/* A product large enough for a BLAS. */
+static void yci_product_lapack(
+    int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc, int add) {
+    const double minus = -1.0, beta = add ? 1.0 : 0.0;
+    int ld[3];
+    ld[0] = (int)lda, ld[1] = (int)ldb, ld[2] = (int)ldc;
+    dgemm_("N", "T", &m, &n, &k, &minus, a, ld, b, ld + 1, &beta, c, ld + 2);
+}
+#endif
+
 /* The kernels are written once, on vectors, and compiled once per instruction set: for two of x86-64, which are used
  * where the processor has them whatever the compiler was told, and for what the compiler was told. To that end the file
  * includes itself: define YC_SELF as its name where that is not yarncloth.h. YC_NO_SIMD leaves plain C alone. */
@@ -1482,6 +1508,12 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile)(int vectors, int last, int columns, in
 YCI_TARGET static void YCI_(yci_product)(
     int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc, int add) {
     int i, j;
+#ifdef YC_USE_LAPACK
+    if (m >= 96 && n >= 24 && k >= 24) {
+        yci_product_lapack(m, n, k, a, lda, b, ldb, c, ldc, add);
+        return;
+    }
+#endif
     for (i = 0; i < m; i += V_TILE_V * V_W)
         for (j = 0; j < n; j += V_TILE_N) {
             int vectors = (m - i + V_W - 1) / V_W, columns = n - j, last = m - i - V_W * (vectors - 1);
@@ -2507,16 +2539,6 @@ static int yci_lu_step(yc_lu *lu, int begin, int end) {
 }
 
 #ifdef YC_USE_LAPACK
-#ifdef __cplusplus
-extern "C" {
-#endif
-void dgetrf_(const int *m, const int *n, double *a, const int *lda, int *pivot, int *info);
-void dgetrs_(const char *transposed, const int *n, const int *count, const double *a, const int *lda, const int *pivot,
-    double *x, const int *ldx, int *info);
-#ifdef __cplusplus
-}
-#endif
-
 /* A is turned round, tile by tile, since LAPACK factors by columns. Returns the column without a pivot, or -1. */
 static int yci_lu_lapack(yc_lu *lu) {
     double tile[YCI_PANEL * YCI_PANEL];
@@ -4185,12 +4207,14 @@ static int *yci_ldl_localise(yci_context *c, yci_ldl_plan *t) {
 }
 
 /* Analyses a full symmetric pattern of nodes with its diagonal (as of yci_bsr). `order` names the node eliminated k-th,
- * or is NULL for the library's choice. The runs give all values on and below the caller's diagonal, block by block;
+ * or is NULL for the library's choice, which `stage` (NULL or n numbers of 0 to n - 1) constrains: lower stages come
+ * first. The runs give all values on and below the caller's diagonal, block by block;
  * `first_run` is the first one of every entry of the pattern, or below the diagonal its complement: a node that is
  * eliminated before an earlier one has their block transposed. Nothing of the arguments is kept. On failure *out is
  * NULL. */
 static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const int *ptr, const int *col,
-    const int *first_run, const yci_ldl_run *run, size_t run_count, const int *order, int spd, yci_ldl **out) {
+    const int *first_run, const yci_ldl_run *run, size_t run_count, const int *order, const int *stage, int spd,
+    yci_ldl **out) {
     yci_ldl_plan t;
     yci_order_fronts fronts;
     yci_ldl *f = YCI_NEW(c, yci_ldl, 1);
@@ -4209,8 +4233,9 @@ static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const in
         t.super_of = at += size, t.super_parent = at += size, t.below = at += size, t.width = at += size;
         t.height = at += size, t.group = at += size, t.last = at += size, at += size;
         fronts.size = t.width, fronts.below = t.below, fronts.parent = t.super_parent;
-        if (!order && yci_ldl_far(n, ptr, col)) ok = (local = yci_ldl_localise(c, &t)) != NULL;
-        if (!order && ok) result = yci_order_auto(c, n, t.dim, t.ptr, t.col, at, &fronts);
+        if (!order && !stage && yci_ldl_far(n, ptr, col)) ok = (local = yci_ldl_localise(c, &t)) != NULL;
+        if (!order && stage) result = yci_order_minimum_degree(c, n, dim, ptr, col, stage, at, &fronts);
+        else if (!order && ok) result = yci_order_auto(c, n, t.dim, t.ptr, t.col, at, &fronts);
         for (i = 0; i < n; i++) t.pos[i] = -1, t.work[i] = 0;
         for (i = 0; ok && result == YC_OK && i < n; i++) {
             int v = order ? order[i] : at[i];
@@ -4258,7 +4283,7 @@ static yc_result yci_ldl_analyze_bsr(yci_context *c, const yci_bsr *m, const int
             }
         }
     }
-    result = yci_ldl_analyze(c, m->n, m->dim, m->ptr, m->col, first_run, run, (size_t)used, order, spd, out);
+    result = yci_ldl_analyze(c, m->n, m->dim, m->ptr, m->col, first_run, run, (size_t)used, order, NULL, spd, out);
     yci_free(c, run), yci_free(c, first_run), yci_free(c, mirror);
     return result;
 }
@@ -4896,7 +4921,7 @@ static yc_result yci_chol_build(
         yci_chol_graph(&m, nodes, graph, graph + nodes + 1, graph + nodes + 1 + entries);
         for (i = 0; i < nodes; i++) dim[i] = b;
         result = yci_ldl_analyze(c, nodes, dim, graph, graph + nodes + 1, graph + nodes + 1 + entries, m.run,
-            (size_t)m.run_count, options->order, options->kind == YC_CHOL_SPD, &chol->ldl);
+            (size_t)m.run_count, options->order, options->stage, options->kind == YC_CHOL_SPD, &chol->ldl);
         if (result == YC_OK && !(chol->work = YCI_RAW(c, double, yc_chol_work(chol)))) result = YC_ERROR_MEMORY;
         if (result == YC_OK) chol->ldl->shift = options->shift;
     }
@@ -4909,7 +4934,7 @@ YC_API yc_result yc_chol_analyze(
     yci_context c;
     yc_chol_options defaults;
     yc_chol *chol;
-    int *shared;
+    int *shared, i;
     yc_result result;
     if (!out) return YC_ERROR_ARGUMENT;
     *out = NULL;
@@ -4926,6 +4951,10 @@ YC_API yc_result yc_chol_analyze(
             (int)options->kind, options->block, n);
     if (result == YC_OK && !(options->shift >= 0.0 && options->shift <= DBL_MAX))
         result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: shift is %g", options->shift);
+    for (i = 0; result == YC_OK && options->stage && i < n / options->block; i++)
+        if (options->stage[i] < 0 || options->stage[i] >= n / options->block)
+            result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: stage[%d] is %d, of %d nodes", i,
+                options->stage[i], n / options->block);
     if (result == YC_OK && !(chol = YCI_NEW(&c, yc_chol, 1))) result = yci_out_of_memory(&c, "a factorisation");
     if (result != YC_OK) {
         yci_log(&c, "%s", c.message);
