@@ -28,6 +28,7 @@ verdict symbols-silent "$work/forbidden"
 # PATTERN.
 sed -n 's/^[ \t]*#[ \t]*include[ \t]*<\(.*\)>.*/\1/p' yarncloth.h | grep -E '^(assert|ctype|errno|float|inttypes|limits|math|setjmp|signal|std[a-z]*|string|time)\.h$' |
     sort -u | sed 's/.*/#include <&>/' >"$work/standard.c"
+grep -q 'include <immintrin.h>' yarncloth.h && printf '#ifdef __x86_64__\n#include <immintrin.h>\n#endif\n' >>"$work/standard.c"
 "$CC" -std=c99 -dM -E "$work/standard.c" 2>/dev/null | awk '{ sub(/\(.*/, "", $2); print $2 }' | sort -u >"$work/standard"
 macros() {
     "$CC" -std=c99 -I. -dM -E "$2" 2>/dev/null | awk '{ sub(/\(.*/, "", $2); print $2 }' | sort -u >"$work/$1.defined"
