@@ -205,7 +205,9 @@ typedef enum yc_chol_kind {
     YC_CHOL_SPD = 1, /* symmetric positive definite; anything else is reported */
     /* Indefinite, but stable in any order once each node's block is inverted with pivoting: [[H G'],[G -C]] with
      * positive definite H and C, or with nodes that pair the two, so that H or C may be singular. A general indefinite
-     * matrix may lose accuracy: check residuals. */
+     * matrix may lose accuracy, and a node's block of condition c costs about c * 1e-16: check residuals, see
+     * yc_chol_refine. Where diagonal entries are zero nothing tells rounding from a pivot: a constraint that is there
+     * twice may pass for regular. */
     YC_CHOL_QUASIDEFINITE = 2
 } yc_chol_kind;
 
@@ -269,7 +271,8 @@ YC_API size_t yc_chol_work(const yc_chol *chol);
 YC_API yc_result yc_chol_refine(const yc_chol *chol, const int *ptr, const int *col, const double *values,
     const double *b, double *x, int steps, double *error, double *work);
 
-/* Writes the n / block nodes in the order of elimination, for yc_chol_options.order of a later run. */
+/* Writes the n / block nodes in the order of elimination, for yc_chol_options.order of a later run. It may differ from
+ * a given order or from stages where that changes no entry of the factor: parts that do not touch may change places. */
 YC_API yc_result yc_chol_order(const yc_chol *chol, int *order);
 
 /* Sizes, and how the last factorisation went. */
@@ -1104,11 +1107,14 @@ YC_FN void yci_block_equilibrate(int n, const double *a, double *s) {
         for (i = 0; i < n; i++) t[side][i] = 0.0;
         for (pass = 0; pass < 2; pass++)
             for (step = 0; step < n; step++) {
-                double most;
+                double most, first = 0.0;
                 i = side ? n - 1 - step : step;
                 if (t[side][i] > 0.0) continue;
                 most = sqrt(fabs(a[i * n + i]));
                 for (j = 0; j < n; j++) most = yci_max(most, t[side][j] * fabs(a[i * n + j]));
+                for (j = 0; pass && most == 0.0 && j < n; j++)
+                    if (t[side][j] == 0.0) first = yci_max(first, sqrt(fabs(a[i * n + j])));
+                if (most == 0.0) most = first;
                 if (most > 0.0) t[side][i] = 1.0 / most;
             }
     }
@@ -1791,7 +1797,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_columns)(
         for (r = 0; r < count; r++) x[r] = V_LOAD(z + (size_t)r * ldz + i);
         YCI_UNROLL
         for (j = 0; j < V_COLUMNS; j++) {
-            V y = V_LOAD(column[j] + i);
+            V y = m - i < V_W ? V_LOAD_PART(column[j] + i, m - i) : V_LOAD(column[j] + i);
             V_PREFETCH(column[j] + i - YCI_AHEAD);
             YCI_UNROLL
             for (r = 0; r < count; r++) s[r][j] = V_FMA(x[r], y, s[r][j]);
@@ -2294,7 +2300,7 @@ static int yci_panel_cholesky(const yci_kernels *kernel, int m, int n, double *f
                 return begin + j;
             inverse[j] = 1.0 / pivot;
             for (k = j + 1; k < width; k++) {
-                double factor = a[k] * inverse[j];
+                double factor = inverse[j] <= DBL_MAX ? a[k] * inverse[j] : a[k] / pivot;
                 for (i = k; i < width; i++) g[YCI_PANEL * k + i] -= a[i] * factor;
             }
         }
@@ -4164,7 +4170,7 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
         if (t->height[s] > INT_MAX >> 9 || t->width[s] > INT_MAX / t->height[s]) return 0; /* beyond what maps hold */
     }
     if (rows > INT_MAX) return 0;
-    f->super = YCI_RAW(c, yci_ldl_super, f->supers + 1), f->task = (int(*)[2])YCI_RAW(c, int, 2 * YCI_LDL_TASKS);
+    f->super = YCI_NEW(c, yci_ldl_super, f->supers + 1), f->task = (int(*)[2])YCI_RAW(c, int, 2 * YCI_LDL_TASKS);
     block = YCI_RAW(c, int, (size_t)f->supers + 1 + 2 * node_rows + 2 * edges);
     f->unknown = YCI_RAW(c, int, n), f->dim = YCI_RAW(c, unsigned char, n);
     f->row = YCI_RAW(c, int, rows), f->rel = YCI_RAW(c, int, rows), f->chunk = YCI_RAW(c, int, chunks);
@@ -4464,8 +4470,9 @@ static int yci_ldl_room(yci_ldl *f) {
 /* Factors the matrix with these values, which the analysis was told where to find. The first call allocates L. After a
  * failure there is no factor; the columns before f->pivots have one. */
 static yc_result yci_ldl_factor(yci_ldl *f, const double *value) {
-    int bad;
+    int bad, s;
     f->factored = f->pivots = 0;
+    for (s = 0; s < f->supers; s++) f->super[s].repaired = 0;
     if (!yci_ldl_room(f)) return yci_out_of_memory(f->c, "a sparse factor");
     bad = yci_ldl_columns(f, value);
     f->pivots = bad < 0 ? f->size : bad;
@@ -4783,11 +4790,12 @@ static yc_result yci_chol_check(
     yci_context *c, int n, const int *ptr, const int *col, int *shared, int *cursor, int *lower) {
     int i, k, upper = 0, length = 0;
     if (ptr[0] != 0) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[0] is %d", ptr[0]);
-    for (i = 0; i < n; i++) {
-        int begin = ptr[i], end = ptr[i + 1], same = end - begin < length ? end - begin : length;
-        if (end < begin)
+    for (i = 0; i < n; i++)
+        if (ptr[i + 1] < ptr[i])
             return YCI_FAIL(
                 c, YC_ERROR_ARGUMENT, "yc_chol_analyze: ptr[%d] is %d, after %d", i + 1, ptr[i + 1], ptr[i]);
+    for (i = 0; i < n; i++) {
+        int begin = ptr[i], end = ptr[i + 1], same = end - begin < length ? end - begin : length;
         if (same &&
             (col[begin] != col[begin - length] ||
                 memcmp(col + begin, col + begin - length, (size_t)same * sizeof *col) != 0))
@@ -5043,8 +5051,12 @@ static double yci_chol_residual(int n, const int *ptr, const int *col, const dou
             r[i] -= values[k] * x[j], sum[i] += fabs(values[k]);
             if (j < i) r[j] -= values[k] * x[i], sum[j] += fabs(values[k]);
         }
-    for (i = 0; i < n; i++) most = yci_max(most, fabs(r[i])), matrix = yci_max(matrix, sum[i]);
-    return most > 0.0 ? most / (matrix * largest + right) : 0.0;
+    for (i = 0; i < n; i++) {
+        if (!(fabs(r[i]) <= most)) most = fabs(r[i]);
+        if (most != most) return most;
+        matrix = yci_max(matrix, sum[i]);
+    }
+    return most == 0.0 ? 0.0 : most / (matrix * largest + right);
 }
 
 YC_API yc_result yc_chol_refine(const yc_chol *chol, const int *ptr, const int *col, const double *values,
