@@ -281,7 +281,7 @@ TEST(direct_stiff_meshes) {
     }
 }
 
-/* The same by the other kind, which inverts whole blocks, some of them with a condition of 1e9: worse, as documented, and
+/* The same by the other kind, which inverts whole blocks, some with a condition of 1e9: worse, as documented, and
  * mended by refinement while the blocks are small. */
 TEST(direct_stiff_blocks) {
     int block;
