@@ -1824,7 +1824,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
         for (i = 0; i < YCI_OVERREAD; i++) to[m + i] = 0.0;
     }
     for (j = s->width; j > 0;) {
-        double sum[YCI_RIGHT * YCI_PANEL];
+        double sum[YCI_RIGHT * YCI_PANEL] = {0.0};
         const double *l, *x;
         n = (j - 1) % YCI_PANEL + 1;
         j -= n, l = s->l + (size_t)j * (ld + 1), x = y + s->first + j;
