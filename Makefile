@@ -28,7 +28,7 @@ hello: $(BUILD)/hello
 
 examples: $(EXAMPLES)
 
-# make test TESTS="vec sparse" runs the tests whose names contain one of these words.
+# make test TESTS="vec sparse" runs the tests whose names contain one of these words; LIBRARIES are linked with them.
 test: $(BUILD)/tests
 	$(BUILD)/tests $(TESTS)
 
@@ -88,7 +88,7 @@ $(BUILD)/obj/%.o: %.c
 	$(COMPILE) $(CPPFLAGS) $(THREAD_FLAGS) $<
 
 $(BUILD)/tests: $(TEST_SOURCES:%.c=$(BUILD)/obj/%.o) $(SHARED)
-	$(CC) $(CFLAGS) $(THREADS) -o $@ $^ -lm
+	$(CC) $(CFLAGS) $(THREADS) -o $@ $^ $(LIBRARIES) -lm
 
 # hello.c brings its own implementation, as a newcomer's first program does; the other examples share one.
 $(BUILD)/hello: $(BUILD)/obj/examples/hello.o

@@ -70,9 +70,10 @@
  *
  * MACROS. YARNCLOTH_IMPLEMENTATION as above; YC_API in front of public functions (extern by default; define it as
  * static for a private copy). YC_USE_LAPACK: yc_lu_factor and yc_lu_solve call dgetrf_ and dgetrs_, large fronts of a
- * sparse factor dgemm_ (32-bit integers) of a LAPACK that you link. YC_NO_SIMD: no vector instructions beyond the
- * compiler's own. YC_SELF: this file's name in quotes where you have renamed it, since it includes itself to compile
- * its kernels for several instruction sets. Do not compile with -ffast-math: the file refuses it.
+ * sparse factor dgemm_ (32-bit integers) of a LAPACK that you link, whose sums then decide whether results are the same
+ * bits. YC_NO_SIMD: no vector instructions beyond the compiler's own. YC_SELF: this file's name in quotes where you
+ * have renamed it, since it includes itself to compile its kernels for several instruction sets. Do not compile with
+ * -ffast-math: the file refuses it.
  *
  * CONTENTS. Search for the tag. Declarations first, complete with their documentation; stop reading where they end
  * if you only want to use the library. A chapter of the implementation calls only chapters above it.
@@ -80,8 +81,8 @@
  *   >>api        what users see
  *   >>host       chapter 1: results, messages, memory, parallel loops
  *   >>vec        chapter 2: vectors of three, the one-sided law
- *   >>dense      chapter 3: LU with partial pivoting, small blocks
- *   >>sparse     chapter 4: block matrices, ordering, LDL^T, incomplete factor
+ *   >>dense      chapter 3: small blocks, kernels, panels, LU with partial pivoting
+ *   >>sparse     chapter 4: block matrices, ordering, L L^T and block L D L^T, incomplete factor
  *   >>fabric     chapter 5: weaves laid over a sewing pattern, seam rods
  *   >>yarn       chapter 6: elements of the persistent-contact yarn model
  *   >>triangle   chapter 7: membrane and hinge elements
@@ -248,8 +249,8 @@ typedef struct yc_chol_statistics {
 YC_API yc_result yc_chol_analyze(
     const yc_host *host, int n, const int *ptr, const int *col, const yc_chol_options *options, yc_chol **out);
 
-/* Factors the matrix with values[k] at (row, col[k]). Values above the diagonal are not read. The first call makes room
- * for the factor, later ones allocate nothing. Errors: YC_ERROR_ARGUMENT (a value not finite; the previous factor
+/* Factors the matrix with values[k] at (row, col[k]). Values above the diagonal do not matter. The first call makes
+ * room for the factor, later ones allocate nothing. Errors: YC_ERROR_ARGUMENT (a value not finite; the previous factor
  * stays), YC_ERROR_MEMORY, YC_ERROR_NOT_SPD (kind YC_CHOL_SPD: a pivot is not positive, or lost to rounding),
  * YC_ERROR_SINGULAR (the other kind: a pivot block is singular to working precision). The message of these two names
  * the unknown and its place in the order of elimination: what precedes it there is a matrix that has a factor. There is
@@ -1000,7 +1001,6 @@ YC_FN double yci_angle_difference(double a, double b) {
  * ===================================================================================================================== */
 
 #define YCI_BLOCK_MAX 8                          /* rows of the largest node block */
-#define YCI_LU_PANEL 32                          /* columns of a panel of the sparse factorisation */
 #define YCI_LU_BLOCK 64                          /* columns of LU's largest block */
 #define YCI_LU_STRIP 24                          /* columns right of a block that are updated together */
 #define YCI_LU_LEFT 480                          /* columns left of a block whose rows are exchanged together */
@@ -1129,7 +1129,8 @@ YC_FN double yci_block_invert_pair(const double *a, const double *reference, dou
     double z = yci_max(fabs(a[3]), fabs(reference[3])), most = yci_max(x * z, y * y);
     double determinant = a[0] * a[3] - a[1] * a[1], factor = 1.0 / determinant;
     inverse[0] = a[3] * factor, inverse[1] = inverse[2] = -a[1] * factor, inverse[3] = a[0] * factor;
-    return most > DBL_MIN / DBL_EPSILON && most <= DBL_MAX && fabs(determinant) > 1e-6 * most
+    return most > DBL_MIN / DBL_EPSILON && most <= DBL_MAX && fabs(determinant) > 1e-6 * most &&
+            fabs(inverse[0]) <= DBL_MAX && fabs(inverse[1]) <= DBL_MAX && fabs(inverse[3]) <= DBL_MAX
         ? 0.5 * fabs(determinant) / most
         : 0.0;
 }
@@ -1642,7 +1643,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_triangle_forward)(
 
 YCI_TARGET YCI_INLINE void YCI_(yci_triangle_backward)(
     int n, const double *g, size_t ld, const double *x, size_t ldx, const double *s, double *z, size_t ldz, int count) {
-    double v[YCI_RIGHT][YCI_PANEL];
+    double v[YCI_RIGHT][YCI_PANEL] = {{0.0}};
     int i, j, r;
     YCI_UNROLL
     for (r = 0; r < count; r++) YCI_UNROLL
@@ -1824,7 +1825,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
         for (i = 0; i < YCI_OVERREAD; i++) to[m + i] = 0.0;
     }
     for (j = s->width; j > 0;) {
-        double sum[YCI_RIGHT * YCI_PANEL] = {0.0};
+        double sum[YCI_RIGHT * YCI_PANEL];
         const double *l, *x;
         n = (j - 1) % YCI_PANEL + 1;
         j -= n, l = s->l + (size_t)j * (ld + 1), x = y + s->first + j;
@@ -2604,8 +2605,12 @@ YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
     for (i = 0; i < lu->n && norm <= DBL_MAX; i++) norm = lu->work[i] <= norm ? norm : lu->work[i];
     if (!(norm <= DBL_MAX) && yci_lu_not_finite(lu, a, lda) != YC_OK) return YC_ERROR_ARGUMENT;
     lu->factored = lu->plain = 0, lu->norm = norm, lu->largest = largest;
-    for (i = 0; i < lu->n; i++)
-        memcpy(lu->f + (size_t)i * lu->ld, a + (size_t)i * (size_t)lda, (size_t)lu->n * sizeof(double));
+    for (i = 0; i < lu->rows; i++) { /* an overflow may have left its traces around A as well */
+        int used = i < lu->n ? lu->n : 0;
+        double *row = lu->f + (size_t)i * lu->ld;
+        if (used) memcpy(row, a + (size_t)i * (size_t)lda, (size_t)used * sizeof(double));
+        memset(row + used, 0, (size_t)(lu->rows - used) * sizeof(double));
+    }
     bad = yci_lu_all(lu);
     if (bad >= 0) return YCI_FAIL(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
     lu->factored = 1;
@@ -3253,11 +3258,12 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
     int begin, end, s;
     memset(&g, 0, sizeof g);
     while (g.table_mask < n / 4) g.table_mask = 2 * g.table_mask + 1;
-    g.pool_begin = ptr[n], g.pool_size = 5 * (ptr[n] / 2) + 3 * n + 8;
-    if (entries <= (size_t)INT_MAX / 4 && size <= (size_t)INT_MAX / (4 * YCI_BLOCK_MAX))
+    if (entries <= (size_t)INT_MAX / 4 && size <= (size_t)INT_MAX / (4 * YCI_BLOCK_MAX)) {
+        g.pool_begin = ptr[n], g.pool_size = 5 * (ptr[n] / 2) + 3 * n + 8;
         block = (char *)yci_alloc(c, 1,
             size * (sizeof *g.node + sizeof *g.link) +
                 ((size_t)g.pool_size + size + 2 + (size_t)g.table_mask) * sizeof(int));
+    }
     if (!block) return yci_out_of_memory(c, "an elimination order");
     g.base = 1, g.n = g.lowest = n, g.stage = stage, g.pool_used = g.pool_begin;
     g.node = (yci_order_node *)block, g.link = (yci_order_link *)(g.node + n), g.list = (int *)(g.link + n);
@@ -3628,7 +3634,7 @@ static yc_result yci_order_dissect(
     int *block = NULL, *at, *index, *sorted_ptr, *sorted_col, *sorted_dim, *sorted_stage, i, k, used = 0;
     yc_result result;
     memset(&d, 0, sizeof d);
-    if (arena <= (size_t)INT_MAX - 12 * size) block = YCI_RAW(c, int, 11 * size + 2 + arena);
+    if (arena + 12 * size <= (size_t)INT_MAX) block = YCI_RAW(c, int, 11 * size + 2 + arena);
     if (!block) return yci_out_of_memory(c, "an elimination order");
     d.size = (int)arena;
     d.heap = at = block, d.place = at += n, d.gain = at += n, d.rim = at += n, d.rim_before = at += n;
@@ -4025,7 +4031,7 @@ static size_t yci_ldl_place_updates(yci_ldl *f) {
         for (child = u->child; child >= 0; child = f->super[child].next)
             if (f->super[child].region == k) end[1 - u->side][k] -= yci_ldl_update_size(f->super + child);
     }
-    for (k = 0; k <= f->tasks; k++) begin[k] = total, total += most[k];
+    for (k = 0; k <= f->tasks; k++) begin[k] = total, total += most[k] + YCI_OVERREAD;
     for (s = 0; s < f->supers; s++) {
         yci_ldl_super *u = f->super + s;
         if (u->side) u->update = most[u->region] - u->update - yci_ldl_update_size(u);
@@ -4188,6 +4194,7 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
             for (i = f->super[s].first; i < f->super[s + 1].first; i++)
                 f->pivot_size += f->spd ? 1 : (size_t)(f->dim[i] * f->dim[i]);
         }
+        if (f->pivot_size > INT_MAX) ok = 0;
         yci_ldl_cut(f);
         f->update_size = yci_ldl_place_updates(f);
     }
@@ -4243,7 +4250,7 @@ static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const in
     ok = f && block && run_count <= INT_MAX;
     if (f) f->c = c;
     if (ok) {
-        f->c = c, f->kernels = yci_kernels_best(), f->spd = spd;
+        f->kernels = yci_kernels_best(), f->spd = spd;
         t.n = n, t.dim = dim, t.ptr = ptr, t.col = col, t.first_run = first_run;
         t.node = at, t.pos = at += size, t.parent = at += size, t.first = at += size, t.head = at += size;
         t.next = at += size, t.work = at += size, t.count = at += size, t.weight = at += size;
@@ -4457,7 +4464,7 @@ static int yci_ldl_columns(yci_ldl *f, const double *value) {
 static int yci_ldl_room(yci_ldl *f) {
     size_t sets = (size_t)f->tasks + 1;
     if (f->panel) return 1;
-    f->update = YCI_RAW(f->c, double, f->update_size + YCI_OVERREAD);
+    f->update = YCI_RAW(f->c, double, f->update_size);
     f->pivot = YCI_RAW(f->c, double, f->pivot_size);
     f->scaled = YCI_RAW(f->c, double, sets * f->scaled_size);
     if (f->update && f->pivot && f->scaled) f->panel = YCI_RAW(f->c, double, f->super[f->supers].panel);

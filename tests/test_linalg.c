@@ -302,6 +302,28 @@ TEST(dense_lu_rcond) {
     }
 }
 
+/* A factorisation that overflowed leaves nothing behind for the next one. */
+TEST(dense_lu_after_overflow) {
+    int n, i, level;
+    for (n = 17; n <= 24; n++)
+        for (level = 0; level < YCI_LEVELS; level++) {
+            double a[24 * 24] = {0.0}, x[24];
+            yc_lu *lu = NULL;
+            if (!yci_kernels_of(level) || !CHECK_RESULT(yc_lu_create(NULL, n, &lu), YC_OK)) continue;
+            lu->kernels = yci_kernels_of(level);
+            for (i = 0; i < n; i++) a[i * n + i] = 1.0;
+            a[n - 2] = a[n + n - 2] = 1.7e308, a[n] = -1.0;
+            yc_lu_factor(lu, a, n);
+            a[n - 2] = a[n + n - 2] = 0.5;
+            CHECK_RESULT(yc_lu_factor(lu, a, n), YC_OK);
+            for (i = 0; i < n; i++) x[i] = 1.0;
+            CHECK_RESULT(yc_lu_solve(lu, x, 1, n), YC_OK);
+            CHECK_NEAR(x[0], 0.5, 1e-15); /* x[n - 2] is 1 */
+            CHECK(yc_lu_rcond(lu) > 0.01);
+            yc_lu_destroy(lu);
+        }
+}
+
 TEST(dense_blocks) {
     uint64_t seed = 5;
     int n, trial, i, j, k;

@@ -1,6 +1,6 @@
 /* The rivals of bench-direct, a program of its own because OpenBLAS reads its settings when it starts. It takes
- * commands on its input and answers on its output. Each rival is at its best: Eigen is compiled for this machine with all its
- * instructions, CHOLMOD gets the triangle that it permutes fastest, workspaces are kept between solves.
+ * commands on its input and answers on its output. Each rival is at its best: Eigen is compiled for this machine with
+ * all its instructions, CHOLMOD gets the triangle that it permutes fastest, workspaces are kept between solves.
  *
  * CHOLMOD opens a parallel region of four threads for every update of a supernode, whatever it is told, which makes it
  * up to four times slower. GOMP_parallel and its kin below replace those of the OpenMP library by direct calls. */
