@@ -1479,14 +1479,10 @@ static inline yci_two yci_two_pick(yci_two a, yci_two b, yci_two x, yci_two y) {
 #define V_PREFETCH(p) ((void)(p))
 #endif
 
-/* One tile of C: n <= columns of them exist; the last of its vectors has `last` rows. */
-YCI_TARGET YCI_INLINE void YCI_(yci_tile)(int vectors, int last, int columns, int n, int k, const double *a, size_t lda,
-    const double *b, size_t ldb, double *c, size_t ldc, int add) {
-    V s[V_TILE_N][V_TILE_V];
+/* s -= A B' for the vectors and columns of a tile; column j of s begins at s[j * stride]. */
+YCI_TARGET YCI_INLINE void YCI_(yci_accumulate)(
+    int vectors, int columns, int k, const double *a, size_t lda, const double *b, size_t ldb, V *s, int stride) {
     int i, j;
-    YCI_UNROLL
-    for (j = 0; j < columns; j++) YCI_UNROLL
-    for (i = 0; i < vectors; i++) s[j][i] = V_SET(0.0);
     for (; k > 0; k--, a += lda, b += ldb) {
         V x[V_TILE_V];
         YCI_UNROLL
@@ -1495,9 +1491,20 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile)(int vectors, int last, int columns, in
         for (j = 0; j < columns; j++) {
             V y = V_SET(b[j]);
             YCI_UNROLL
-            for (i = 0; i < vectors; i++) s[j][i] = V_FNMA(x[i], y, s[j][i]);
+            for (i = 0; i < vectors; i++) s[j * stride + i] = V_FNMA(x[i], y, s[j * stride + i]);
         }
     }
+}
+
+/* One tile of C: n <= columns of them exist; the last of its vectors has `last` rows. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile)(int vectors, int last, int columns, int n, int k, const double *a, size_t lda,
+    const double *b, size_t ldb, double *c, size_t ldc, int add) {
+    V s[V_TILE_N][V_TILE_V];
+    int i, j;
+    YCI_UNROLL
+    for (j = 0; j < columns; j++) YCI_UNROLL
+    for (i = 0; i < vectors; i++) s[j][i] = V_SET(0.0);
+    YCI_(yci_accumulate)(vectors, columns, k, a, lda, b, ldb, s[0], V_TILE_V);
     YCI_UNROLL
     for (j = 0; j < columns; j++) {
         if (j >= n) return;
@@ -1544,17 +1551,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_strip)(int vectors, int last, int columns, i
     YCI_UNROLL
     for (j = 0; j < columns; j++) YCI_UNROLL
     for (i = 0; i < vectors; i++) s[j][i] = V_LOAD(c + (size_t)(j < n ? j : 0) * ldc + V_W * i);
-    for (; k > 0; k--, a += lda, b += ldb) {
-        V x[V_STRIP_V];
-        YCI_UNROLL
-        for (i = 0; i < vectors; i++) x[i] = V_LOAD(a + V_W * i);
-        YCI_UNROLL
-        for (j = 0; j < columns; j++) {
-            V y = V_SET(b[j]);
-            YCI_UNROLL
-            for (i = 0; i < vectors; i++) s[j][i] = V_FNMA(x[i], y, s[j][i]);
-        }
-    }
+    YCI_(yci_accumulate)(vectors, columns, k, a, lda, b, ldb, s[0], V_STRIP_V);
     YCI_UNROLL
     for (j = 0; j < columns; j++) {
         if (j >= n) return;
@@ -4960,7 +4957,7 @@ YC_API yc_result yc_chol_analyze(
     yci_context c;
     yc_chol_options defaults;
     yc_chol *chol;
-    int *shared, i;
+    int *shared, nodes, i;
     yc_result result;
     if (!out) return YC_ERROR_ARGUMENT;
     *out = NULL;
@@ -4977,10 +4974,11 @@ YC_API yc_result yc_chol_analyze(
             (int)options->kind, options->block, n);
     if (result == YC_OK && !(options->shift >= 0.0 && options->shift <= DBL_MAX))
         result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: shift is %g", options->shift);
-    for (i = 0; result == YC_OK && options->stage && i < n / options->block; i++)
-        if (options->stage[i] < 0 || options->stage[i] >= n / options->block)
-            result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yc_chol_analyze: stage[%d] is %d, of %d nodes", i,
-                options->stage[i], n / options->block);
+    nodes = result == YC_OK && options->stage ? n / options->block : 0;
+    for (i = 0; result == YC_OK && i < nodes; i++)
+        if (options->stage[i] < 0 || options->stage[i] >= nodes)
+            result = YCI_FAIL(
+                &c, YC_ERROR_ARGUMENT, "yc_chol_analyze: stage[%d] is %d, of %d nodes", i, options->stage[i], nodes);
     if (result == YC_OK && !(chol = YCI_NEW(&c, yc_chol, 1))) result = yci_out_of_memory(&c, "a factorisation");
     if (result != YC_OK) {
         yci_log(&c, "%s", c.message);

@@ -303,25 +303,27 @@ TEST(direct_stiff_blocks) {
     }
 }
 
+/* D A D with D from 10^-exponent to 10^exponent, A dominant: both kinds solve it as well as A. */
+static void check_graded(int shape, int nodes, int block, double exponent) {
+    matrix m = matrix_open(shape, nodes, block);
+    double *d = random_numbers(7, m.n);
+    int i;
+    for (i = 0; i < m.n; i++) d[i] = pow(10.0, exponent * d[i]);
+    fill_dominant(&m, NULL, 5);
+    scale_rows_and_columns(&m, d);
+    CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 0), 0.0, 1e-15);
+    CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 1), 0.0, 1e-15);
+    CHECK_NEAR(solve_error(&m, YC_CHOL_QUASIDEFINITE, 0), 0.0, 1e-15);
+    CHECK_NEAR(solve_error(&m, YC_CHOL_QUASIDEFINITE, 1), 0.0, 1e-15);
+    free(d);
+    matrix_close(&m);
+}
+
 /* D A D with D from 1e-7 to 1e7, a condition of 1e28 that scaling undoes: an elimination does not feel it. */
 TEST(direct_graded) {
     int shape, block;
     for (shape = 0; shape < SHAPES; shape++)
-        for (block = 1; block <= 5; block += 2) {
-            matrix m = matrix_open(shape, shape == DENSE ? 40 : 196, block);
-            uint64_t seed = 5;
-            double *d = random_numbers(7, m.n);
-            int i;
-            for (i = 0; i < m.n; i++) d[i] = pow(10.0, 7.0 * d[i]);
-            fill_dominant(&m, NULL, seed);
-            scale_rows_and_columns(&m, d);
-            CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 0), 0.0, 1e-15);
-            CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 1), 0.0, 1e-15);
-            CHECK_NEAR(solve_error(&m, YC_CHOL_QUASIDEFINITE, 0), 0.0, 1e-15);
-            CHECK_NEAR(solve_error(&m, YC_CHOL_QUASIDEFINITE, 1), 0.0, 1e-15);
-            free(d);
-            matrix_close(&m);
-        }
+        for (block = 1; block <= 5; block += 2) check_graded(shape, shape == DENSE ? 40 : 196, block, 7.0);
 }
 
 /* Hilbert matrices of 10 and 11 unknowns, whose condition is 1.6e13 and 5e14, as cliques of a chain. */
@@ -399,20 +401,7 @@ TEST(direct_scaled) {
 }
 
 /* Entries from 1e-150 to 1e150, whose products reach to the ends of what is representable. */
-TEST(direct_wide) {
-    matrix m = matrix_open(GRID, 400, 3);
-    double *d = random_numbers(9, m.n);
-    int i;
-    for (i = 0; i < m.n; i++) d[i] = pow(10.0, 75.0 * d[i]);
-    fill_dominant(&m, NULL, 2);
-    scale_rows_and_columns(&m, d);
-    CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 0), 0.0, 1e-15);
-    CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 1), 0.0, 1e-15);
-    CHECK_NEAR(solve_error(&m, YC_CHOL_QUASIDEFINITE, 0), 0.0, 1e-15);
-    CHECK_NEAR(solve_error(&m, YC_CHOL_QUASIDEFINITE, 1), 0.0, 1e-15);
-    free(d);
-    matrix_close(&m);
-}
+TEST(direct_wide) { check_graded(GRID, 400, 3, 75.0); }
 
 /* Entries that are all subnormal, the solution 1, ..., 1: 2^-1074 is their grain. */
 static double subnormal_error(const matrix *m, yc_chol_kind kind, int exponent) {
