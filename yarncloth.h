@@ -1223,6 +1223,26 @@ typedef struct yci_trapezoid {
     const int *row;
 } yci_trapezoid;
 
+/* A small factor L D L' in tiles of YCI_PANEL x YCI_PANEL numbers, by columns, aligned both ways: D has one block per
+ * tile on the diagonal, L unit blocks there. Nothing is searched for and no index is read inside a tile. The price is
+ * the inverse of a whole diagonal tile, taken without pivoting, with which errors grow by its condition. A tile C with
+ * inverse P is therefore refused when the sum of |C_ij P_ij| (for positive definite C, at least an eighth of the
+ * condition that scaling leaves) plus YCI_TILE_LOSS times that with what C came from exceeds YCI_TILE_CONDITION, or
+ * when a pivot is not positive (spd) or near what underflows. */
+typedef struct yci_tiles {
+    int blocks, spd;
+    int *begin;     /* blocks + 1: first tile of every column, the one on the diagonal */
+    int *row;       /* a tile's row of tiles, ascending in a column */
+    int *target;    /* the tiles that are changed by all pairs (a, b >= a) of a column's tiles below the diagonal */
+    double *l;      /* L below the diagonal, inverse(D) on it */
+    double *kept;   /* work: the tiles on the diagonal before anything was subtracted */
+    double *scaled; /* work: L D of one column */
+} yci_tiles;
+#define YCI_TILE (YCI_PANEL * YCI_PANEL)
+#define YCI_TILE_CONDITION 64.0
+#define YCI_TILE_LOSS 1e-7
+#define YCI_TILE_LEAST 1e-280
+
 typedef struct yci_kernels {
     const char *name;
 
@@ -1241,6 +1261,12 @@ typedef struct yci_kernels {
      * is work for the backward solve, ldz >= height + YCI_OVERREAD. */
     void (*forward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
     void (*backward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
+
+    /* Factors in place the matrix in `l`; returns 0 where the tiles cannot. Solves with count
+     * <= YCI_RIGHT arrays y, in tiles like the unknowns. */
+    int (*tiles_factor)(const yci_tiles *t);
+    void (*tiles_solve)(const yci_tiles *t, double *y, size_t ldy, int count);
+
     /* For LU. Sums of |A|'s columns are added to `sums`, in whole vectors; returns the largest |a[i * lda + j]|. A is
      * the only operand that ends where it ends. */
     double (*sizes)(int m, int n, const double *a, size_t lda, double *sums);
@@ -1843,6 +1869,220 @@ YCI_TARGET static void YCI_(yci_backward)(
     else YCI_(yci_backward_some)(s, y, ldy, 4, z, ldz);
 }
 
+/* ---- small factors, in tiles ---- */
+
+#define V_TILE_PART (YCI_PANEL / V_W) /* vectors of a column of a tile */
+
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_copy)(const double *from, double *to) {
+    int i;
+    YCI_UNROLL
+    for (i = 0; i < YCI_TILE; i += V_W) V_STORE(to + i, V_LOAD(from + i));
+}
+
+/* to := from - A B' or, without `from`, -A B'; tiles all of them, and `count` of all but B. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_update)(
+    int count, const double *const *from, const double *const *a, const double *b, double *const *to) {
+    int i, j, q, p, k;
+    for (i = 0; i < YCI_PANEL; i += V_W)
+        for (j = 0; j < YCI_PANEL; j += V_TILE_N) {
+            V s[V_TILE_N][V_TILE_V], x[V_TILE_V];
+            YCI_UNROLL
+            for (q = 0; q < V_TILE_N; q++) YCI_UNROLL
+            for (p = 0; p < count; p++) s[q][p] = from ? V_LOAD(from[p] + YCI_PANEL * (j + q) + i) : V_SET(0.0);
+            for (k = 0; k < YCI_PANEL; k++) {
+                YCI_UNROLL
+                for (p = 0; p < count; p++) x[p] = V_LOAD(a[p] + YCI_PANEL * k + i);
+                YCI_UNROLL
+                for (q = 0; q < V_TILE_N; q++) {
+                    V y = V_SET(b[YCI_PANEL * k + j + q]);
+                    YCI_UNROLL
+                    for (p = 0; p < count; p++) s[q][p] = V_FNMA(x[p], y, s[q][p]);
+                }
+            }
+            YCI_UNROLL
+            for (q = 0; q < V_TILE_N; q++) YCI_UNROLL
+            for (p = 0; p < count; p++) V_STORE(to[p] + YCI_PANEL * (j + q) + i, s[q][p]);
+        }
+}
+
+/* C := inverse(C) for a symmetric tile, whose negative goes to `minus`, by the sweep operator on pairs of rows: with B
+ * the inverse of the pair's block K, rows and columns K become (-B, B C_K), the rest C - C_K' B C_K. Returns 0 when
+ * that cannot be trusted (see yci_tiles). */
+YCI_TARGET YCI_INLINE int YCI_(yci_tile_invert)(double *c, const double *kept, int spd, double *minus) {
+    static const double hole[3 * YCI_PANEL] = {1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
+    static const double unit[3 * YCI_PANEL] = {0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    V a[YCI_PANEL][V_TILE_PART], least = V_SET(DBL_MAX), most = V_SET(0.0), sum = V_SET(0.0);
+    double lane[V_W], extremes[V_W], total = 0.0;
+    int i, j, k;
+    YCI_UNROLL
+    for (j = 0; j < YCI_PANEL; j++) YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++) a[j][i] = V_LOAD(c + YCI_PANEL * j + V_W * i);
+    YCI_UNROLL
+    for (k = 0; k < YCI_PANEL; k += 2) {
+        V p = V_LANE(a[k][k / V_W], k % V_W), q = V_LANE(a[k][(k + 1) / V_W], (k + 1) % V_W);
+        V r = V_LANE(a[k + 1][(k + 1) / V_W], (k + 1) % V_W), det = V_FNMA(q, q, V_MUL(p, r));
+        V inverse = V_SET(1.0) / det, u[V_TILE_PART], v[V_TILE_PART], low = spd ? det : V_ABS(det);
+        if (spd) least = V_PICK(p, least, least, p);
+        least = V_PICK(low, least, least, low), most = V_PICK(low, most, low, most);
+        YCI_UNROLL
+        for (i = 0; i < V_TILE_PART; i++) { /* C_K and, in rows K, minus one */
+            const double *zero = hole + YCI_PANEL - k + V_W * i, *one = unit + YCI_PANEL - k + V_W * i;
+            V s = V_FMA(a[k][i], V_LOAD(zero), V_LOAD(one)), t = V_FMA(a[k + 1][i], V_LOAD(zero), V_LOAD(one - 1));
+            u[i] = V_MUL(V_FNMA(t, q, V_MUL(s, r)), inverse), v[i] = V_MUL(V_FNMA(s, q, V_MUL(t, p)), inverse);
+        }
+        YCI_UNROLL
+        for (j = 0; j < YCI_PANEL; j++)
+            if (j != k && j != k + 1) {
+                V x = V_LANE(a[k][j / V_W], j % V_W), y = V_LANE(a[k + 1][j / V_W], j % V_W);
+                YCI_UNROLL
+                for (i = 0; i < V_TILE_PART; i++)
+                    a[j][i] = V_FNMA(v[i], y, V_FNMA(u[i], x, V_MUL(a[j][i], V_LOAD(hole + YCI_PANEL - k + V_W * i))));
+            }
+        YCI_UNROLL
+        for (i = 0; i < V_TILE_PART; i++) a[k][i] = u[i], a[k + 1][i] = v[i];
+    }
+    YCI_UNROLL
+    for (j = 0; j < YCI_PANEL; j++) YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++) {
+        double *to = c + YCI_PANEL * j + V_W * i;
+        V before = V_ABS(V_LOAD(kept + YCI_PANEL * j + V_W * i));
+        sum = V_FMA(V_ABS(a[j][i]), V_FMA(before, V_SET(YCI_TILE_LOSS), V_ABS(V_LOAD(to))), sum);
+        V_STORE(minus + YCI_PANEL * j + V_W * i, a[j][i]), V_STORE(to, V_SUB(V_SET(0.0), a[j][i]));
+    }
+    V_STORE(lane, sum);
+    for (i = 0; i < V_W; i++) total += lane[i];
+    if (!(total <= YCI_TILE_CONDITION)) return 0;
+    V_STORE(lane, least), V_STORE(extremes, most);
+    return lane[0] >= YCI_TILE_LEAST && extremes[0] <= 1.0 / YCI_TILE_LEAST;
+}
+
+/* Subtracts from `count` targets the products of as many tiles of L with one of L D. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_some)(
+    int count, const yci_tiles *t, const int *target, const double *l, const double *scaled) {
+    const double *a[V_TILE_V];
+    double *to[V_TILE_V];
+    int p;
+    YCI_UNROLL
+    for (p = 0; p < count; p++) a[p] = l + YCI_TILE * p, to[p] = t->l + YCI_TILE * (size_t)target[p];
+    YCI_(yci_tile_update)(count, (const double *const *)to, a, scaled, to);
+}
+
+YCI_TARGET static int YCI_(yci_tiles_factor)(const yci_tiles *t) {
+    const int *target = t->target;
+    int j, a, b;
+    for (j = 0; j < t->blocks; j++)
+        YCI_(yci_tile_copy)(t->l + YCI_TILE * (size_t)t->begin[j], t->kept + YCI_TILE * (size_t)j);
+    for (j = 0; j < t->blocks; j++) {
+        double minus[YCI_PANEL * YCI_PANEL], *c = t->l + YCI_TILE * (size_t)t->begin[j], *w = t->scaled;
+        int n = t->begin[j + 1] - t->begin[j] - 1;
+        if (!YCI_(yci_tile_invert)(c, t->kept + YCI_TILE * (size_t)j, t->spd, minus)) return 0;
+        for (a = 0, c += YCI_TILE; a < n; a++) {
+            const double *x = w + YCI_TILE * a;
+            double *to = c + YCI_TILE * a;
+            YCI_(yci_tile_copy)(to, w + YCI_TILE * a);
+            YCI_(yci_tile_update)(1, NULL, &x, minus, &to);
+        }
+        for (a = 0; a < n; a++) {
+            for (b = a; n - b >= 3; b += 3, target += 3)
+                YCI_(yci_tile_some)(3, t, target, c + YCI_TILE * b, w + YCI_TILE * a);
+            if (n - b == 2) YCI_(yci_tile_some)(2, t, target, c + YCI_TILE * b, w + YCI_TILE * a);
+            else if (n - b == 1) YCI_(yci_tile_some)(1, t, target, c + YCI_TILE * b, w + YCI_TILE * a);
+            target += n - b;
+        }
+    }
+    return 1;
+}
+
+/* z := A x, for a tile; x[r][q] is number q of array r in all lanes. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_times)(
+    const double *a, const V (*x)[YCI_PANEL], V (*z)[V_TILE_PART], int count) {
+    int i, q, r, chains = count == 1 ? 2 : 1; /* sums at the same time, to hide an addition's time */
+    YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++) {
+        V s[YCI_RIGHT];
+        YCI_UNROLL
+        for (q = 0; q < YCI_PANEL; q++) {
+            V column = V_LOAD(a + YCI_PANEL * q + V_W * i);
+            YCI_UNROLL
+            for (r = 0; r < count; r++) {
+                int at = r + (chains == 2 && q % 2);
+                s[at] = q < chains ? V_MUL(column, x[r][q]) : V_FMA(column, x[r][q], s[at]);
+            }
+        }
+        YCI_UNROLL
+        for (r = 0; r < count; r++) z[r][i] = chains == 2 ? V_ADD(s[0], s[1]) : s[r];
+    }
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_tiles_forward)(
+    int tiles, const double *l, const int *row, const double *own, double *y, size_t ldy, int count) {
+    V x[YCI_RIGHT][YCI_PANEL], z[YCI_RIGHT][V_TILE_PART];
+    int i, k, q, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (q = 0; q < YCI_PANEL; q++) x[r][q] = V_SET(own[(size_t)r * ldy + (size_t)q]);
+    for (k = 0; k < tiles; k++, l += YCI_TILE) {
+        double *to = y + YCI_PANEL * (size_t)row[k];
+        YCI_(yci_tile_times)(l, (const V(*)[YCI_PANEL])x, z, count);
+        YCI_UNROLL
+        for (r = 0; r < count; r++) YCI_UNROLL
+        for (i = 0; i < V_TILE_PART; i++) {
+            double *at = to + (size_t)r * ldy + V_W * i;
+            V_STORE(at, V_SUB(V_LOAD(at), z[r][i]));
+        }
+    }
+}
+
+/* y := inverse(D) y - L' y in the rows of one column of tiles, from the last tile on: memory is read backwards. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tiles_backward)(
+    int tiles, const double *l, const int *row, double *own, const double *y, size_t ldy, int count) {
+    V s[YCI_RIGHT][YCI_PANEL], x[YCI_RIGHT][YCI_PANEL], z[YCI_RIGHT][V_TILE_PART];
+    int i, q, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (q = 0; q < YCI_PANEL; q++) s[r][q] = V_SET(0.0);
+    while (--tiles >= 0) {
+        const double *from = y + YCI_PANEL * (size_t)row[tiles], *a = l + YCI_TILE * (size_t)tiles;
+        YCI_UNROLL
+        for (i = 0; i < V_TILE_PART; i++) {
+            V at[YCI_RIGHT];
+            YCI_UNROLL
+            for (r = 0; r < count; r++) at[r] = V_LOAD(from + (size_t)r * ldy + V_W * i);
+            YCI_UNROLL
+            for (q = 0; q < YCI_PANEL; q++) {
+                V column = V_LOAD(a + YCI_PANEL * q + V_W * i);
+                YCI_UNROLL
+                for (r = 0; r < count; r++) s[r][q] = V_FMA(column, at[r], s[r][q]);
+            }
+        }
+    }
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (q = 0; q < YCI_PANEL; q++) x[r][q] = V_SET(own[(size_t)r * ldy + (size_t)q]);
+    YCI_(yci_tile_times)(l - YCI_TILE, (const V(*)[YCI_PANEL])x, z, count);
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++)
+        V_STORE(own + (size_t)r * ldy + V_W * i, V_SUB(z[r][i], YCI_(yci_sums)(s[r] + V_W * i)));
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_tiles_solve_some)(const yci_tiles *t, double *y, size_t ldy, int count) {
+    const int *begin = t->begin, *row = t->row + 1;
+    const double *l = t->l + YCI_TILE;
+    int j, blocks = t->blocks;
+    for (j = 0; j < blocks; j++) YCI_(yci_tiles_forward)
+    (begin[j + 1] - begin[j] - 1, l + YCI_TILE * (size_t)begin[j], row + begin[j], y + YCI_PANEL * j, y, ldy, count);
+    for (j = blocks - 1; j >= 0; j--) YCI_(yci_tiles_backward)
+    (begin[j + 1] - begin[j] - 1, l + YCI_TILE * (size_t)begin[j], row + begin[j], y + YCI_PANEL * j, y, ldy, count);
+}
+
+YCI_TARGET static void YCI_(yci_tiles_solve)(const yci_tiles *t, double *y, size_t ldy, int count) {
+    if (count == 1) YCI_(yci_tiles_solve_some)(t, y, ldy, 1);
+    else if (count == 3) YCI_(yci_tiles_solve_some)(t, y, ldy, 3);
+    else
+        for (; count > 0; count -= 2, y += 2 * ldy) YCI_(yci_tiles_solve_some)(t, y, ldy, 2);
+}
+
 /* ---- LU ---- */
 
 YCI_TARGET static double YCI_(yci_sizes)(int m, int n, const double *a, size_t lda, double *sums) {
@@ -2213,8 +2453,9 @@ YCI_TARGET static void YCI_(yci_solve_transposed)(
 #define YCI_TEXT_(name) #name
 #define YCI_TEXT(name) YCI_TEXT_(name)
 static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
-    YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_sizes), YCI_(yci_transpose), YCI_(yci_pivots), YCI_(yci_exchange),
-    YCI_(yci_update), YCI_(yci_solve), YCI_(yci_solve_transposed)};
+    YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_tiles_factor), YCI_(yci_tiles_solve), YCI_(yci_sizes),
+    YCI_(yci_transpose), YCI_(yci_pivots), YCI_(yci_exchange), YCI_(yci_update), YCI_(yci_solve),
+    YCI_(yci_solve_transposed)};
 
 #ifdef __clang__
 #pragma clang diagnostic pop
@@ -2242,6 +2483,7 @@ static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product
 #undef V_FNMA
 #undef V_EXPAND
 #undef V_FNMA1
+#undef V_TILE_PART
 #undef V_PREFETCH
 #undef YCI_CASES
 #undef V_ALL_ROWS
@@ -3709,6 +3951,9 @@ static yc_result yci_order_auto(
 #define YCI_LDL_FAR 40000 /* nodes of a pattern that may be renumbered */
 #define YCI_LDL_SOON 16   /* runs of values by which memory is asked ahead */
 #define YCI_LDL_STEP 64   /* columns of a front that are factored before the rest of it is updated */
+#ifndef YCI_LDL_TILES
+#define YCI_LDL_TILES 2500 /* at most: of a factor in tiles */
+#endif
 
 /* Values of a block, and where they go: rows of `count` values side by side, each of them `stride` behind the one
  * before, which grows by `grow` from row to row (in a lower triangle). The first goes to `to` in the panel; one further
@@ -3724,6 +3969,11 @@ typedef struct yci_ldl_run {
 typedef struct yci_ldl_edge {
     int row, run;
 } yci_ldl_edge;
+
+/* value[from] goes to l[to]. */
+typedef struct yci_ldl_move {
+    int from, to;
+} yci_ldl_move;
 
 typedef struct yci_ldl_super {
     int first, width, height; /* its first column; its columns; its rows, which begin with the columns themselves */
@@ -3756,7 +4006,20 @@ typedef struct yci_ldl {
     int (*task)[2], tasks; /* ranges of supernodes that are whole subtrees, for parallel factorisation */
     double shift;          /* added to the diagonal of a pivot block without an inverse; 0: it fails */
     double nonzeros, flops;
+    yci_tiles tiles; /* of a small factor; without blocks otherwise */
+    int *place;      /* size: where the unknowns stand among the rows of the tiles */
+    yci_ldl_move *move;
+    int moves, ones, tiled; /* values to move, and ones; whether the factor is there rather than in the panels */
 } yci_ldl;
+
+static void yci_ldl_untile(yci_ldl *f) {
+    yci_context *c = f->c;
+    yci_tiles *t = &f->tiles;
+    yci_free(c, f->place), yci_free(c, f->move), yci_free(c, t->begin), yci_free(c, t->row), yci_free(c, t->target);
+    yci_free(c, t->l), yci_free(c, t->kept), yci_free(c, t->scaled);
+    f->place = NULL, f->move = NULL;
+    memset(t, 0, sizeof *t);
+}
 
 static void yci_ldl_destroy(yci_ldl *f) {
     yci_context *c;
@@ -3765,6 +4028,7 @@ static void yci_ldl_destroy(yci_ldl *f) {
     yci_free(c, f->unknown), yci_free(c, f->dim), yci_free(c, f->super), yci_free(c, f->row);
     yci_free(c, f->rel), yci_free(c, f->chunk), yci_free(c, f->run), yci_free(c, f->panel), yci_free(c, f->update);
     yci_free(c, f->pivot), yci_free(c, f->scaled), yci_free(c, f->task);
+    yci_ldl_untile(f);
     yci_free(c, f);
 }
 
@@ -4457,6 +4721,165 @@ static int yci_ldl_columns(yci_ldl *f, const double *value) {
     return bad;
 }
 
+/* ------------------------------------------------------------------------------------ direct: small ones in tiles --- */
+
+/* Gives every unknown its place, each supernode beginning with a tile. Returns 0 where a node's pivot block would be
+ * taken apart by the pairs in which tiles are inverted. */
+static int yci_ldl_places(const yci_ldl *f, int *place) {
+    int s, i, at = 0;
+    for (s = 0; s < f->supers; s++, at = (at + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL)
+        for (i = f->super[s].first; i < f->super[s + 1].first; i++, at++) {
+            if (!f->spd && (f->dim[i] > 2 || (f->dim[i] == 2 && at % 2))) return 0;
+            place[i] = at;
+        }
+    return 1;
+}
+
+/* The columns of tiles. Those of one supernode have the same rows of tiles, since what a row of a front meets is in the
+ * front of every other of its rows. Returns the number of tiles, 0 when they are more than `limit`. */
+static int yci_ldl_tile_columns(const yci_ldl *f, const int *place, int limit, yci_tiles *t, int *list) {
+    int s, i, q, used = 0;
+    t->blocks = 0;
+    for (s = 0; s < f->supers; s++) {
+        const yci_ldl_super *u = f->super + s;
+        int count = 0, own = (u->width + YCI_PANEL - 1) / YCI_PANEL;
+        for (i = 0; i < own; i++) list[count++] = t->blocks + i;
+        for (i = 0; i < u->height - u->width; i++) {
+            int tile = place[f->row[u->row + i]] / YCI_PANEL;
+            if (tile != list[count - 1]) list[count++] = tile;
+        }
+        for (q = 0; q < own; used += count - q, q++) {
+            if (count - q > limit - used) return 0;
+            t->begin[t->blocks++] = used;
+            memcpy(t->row + used, list + q, (size_t)(count - q) * sizeof *list);
+        }
+    }
+    t->begin[t->blocks] = used;
+    return used;
+}
+
+/* The tiles that pairs of tiles change; returns their number, which is all that happens without `target`. */
+static size_t yci_ldl_tile_targets(const yci_tiles *t, int *target) {
+    size_t used = 0;
+    int j, a, b, k;
+    for (j = 0; j < t->blocks; j++)
+        for (a = t->begin[j] + 1; a < t->begin[j + 1]; a++) {
+            if (!target) used += (size_t)(t->begin[j + 1] - a);
+            else
+                for (b = a, k = t->begin[t->row[a]]; b < t->begin[j + 1]; target[used++] = k, b++)
+                    while (t->row[k] != t->row[b]) k++;
+        }
+    return used;
+}
+
+/* Where the values go; those on the diagonal's tiles, which are stored whole, to both places. `at` is work. */
+static int yci_ldl_tile_moves(const yci_ldl *f, const yci_tiles *t, int *at, yci_ldl_move *move) {
+    const int *place = f->place;
+    int s, k, i, a, used = 0;
+    for (s = 0; s < f->supers; s++) {
+        const yci_ldl_super *u = f->super + s;
+        const int *below = f->row + u->row - u->width;
+        int first = place[u->first] / YCI_PANEL;
+        for (k = t->begin[first]; k < t->begin[first + 1]; k++) at[t->row[k]] = k - t->begin[first];
+        for (k = u->run; k < u[1].run; k++) {
+            const yci_ldl_run *run = f->run + k;
+            int top = run->to % u->height, left = u->first + run->to / u->height, from = run->from, step = run->stride;
+            for (a = 0; a < run->rows; a++, from += step, step += run->grow)
+                for (i = 0; i < run->count; i++) {
+                    int r = top + (run->flip ? i : a), column = place[left + (run->flip ? a : i)];
+                    int row = place[r < u->width ? u->first + r : below[r]], block = column / YCI_PANEL;
+                    int down = at[row / YCI_PANEL] - (block - first), corner = YCI_TILE * (t->begin[block] + down);
+                    row %= YCI_PANEL, column %= YCI_PANEL;
+                    move[used].from = from + i, move[used++].to = corner + YCI_PANEL * column + row;
+                    if (down || row == column) continue;
+                    move[used].from = from + i, move[used++].to = corner + YCI_PANEL * row + column;
+                }
+        }
+    }
+    return used;
+}
+
+/* The ones that stand on the diagonal where no unknown does. */
+static int yci_ldl_tile_ones(const yci_ldl *f, const int *place, const yci_tiles *t, yci_ldl_move *move) {
+    int s, used = 0;
+    for (s = 0; s < f->supers; s++) {
+        int at = place[f->super[s + 1].first - 1] + 1;
+        for (; at % YCI_PANEL; at++, used++)
+            move[used].from = 0,
+            move[used].to = YCI_TILE * t->begin[at / YCI_PANEL] + (YCI_PANEL + 1) * (at % YCI_PANEL);
+    }
+    return used;
+}
+
+/* Prepares a factor in tiles where the analysis gives few of them. Returns 0 without memory. */
+static int yci_ldl_tile(yci_ldl *f) {
+    yci_context *c = f->c;
+    yci_tiles *t = &f->tiles;
+    int s, k, most = 0, blocks = 0, count = 0, ok, *work;
+    size_t pairs, values = 0;
+    for (s = 0; s < f->supers; s++) blocks += (f->super[s].width + YCI_PANEL - 1) / YCI_PANEL;
+    if (blocks == 0 || blocks > YCI_LDL_TILES) return 1;
+    work = YCI_RAW(c, int, blocks), f->place = YCI_RAW(c, int, f->size);
+    t->begin = YCI_RAW(c, int, blocks + 1), t->row = YCI_RAW(c, int, YCI_LDL_TILES);
+    ok = work && f->place && t->begin && t->row;
+    if (ok && yci_ldl_places(f, f->place)) count = yci_ldl_tile_columns(f, f->place, YCI_LDL_TILES, t, work);
+    if (count) {
+        pairs = yci_ldl_tile_targets(t, NULL);
+        for (k = 0; k < f->super[f->supers].run; k++) values += (size_t)(f->run[k].rows * f->run[k].count) * 2;
+        for (k = 0; k < t->blocks; k++)
+            if (most < t->begin[k + 1] - t->begin[k]) most = t->begin[k + 1] - t->begin[k];
+        t->spd = f->spd, t->target = YCI_RAW(c, int, pairs);
+        f->move = YCI_RAW(c, yci_ldl_move, values + (size_t)YCI_PANEL * (size_t)blocks);
+        t->l = YCI_RAW(c, double, count *YCI_TILE), t->kept = YCI_RAW(c, double, blocks *YCI_TILE);
+        t->scaled = YCI_RAW(c, double, most *YCI_TILE);
+        ok = t->target && f->move && t->l && t->kept && t->scaled;
+    }
+    if (ok && count) {
+        yci_ldl_tile_targets(t, t->target);
+        f->moves = yci_ldl_tile_moves(f, t, work, f->move);
+        f->ones = yci_ldl_tile_ones(f, f->place, t, f->move + f->moves);
+    }
+    yci_free(c, work);
+    if (!ok || !count) yci_ldl_untile(f);
+    return ok;
+}
+
+/* Factors in tiles. Returns 0 where that cannot be done, which says nothing of the matrix. */
+static int yci_ldl_factor_tiles(yci_ldl *f, const double *value) {
+    const yci_tiles *t = &f->tiles;
+    int k;
+    if (!t->blocks) return 0;
+    memset(t->l, 0, YCI_TILE * (size_t)t->begin[t->blocks] * sizeof *t->l);
+    for (k = 0; k < f->moves; k++) t->l[f->move[k].to] = value[f->move[k].from];
+    for (; k < f->moves + f->ones; k++) t->l[f->move[k].to] = 1.0;
+    return f->kernels->tiles_factor(t);
+}
+
+/* Takes the unknowns of count arrays x to their places in y, or back. */
+YCI_INLINE void yci_ldl_carry(const yci_ldl *f, double *x, int count, size_t ldx, double *y, size_t ldy, int back) {
+    const int *place = f->place, *unknown = f->unknown;
+    int i, r, size = f->size;
+    for (i = 0; i < size; i++) {
+        double *there = y + place[i], *here = x + unknown[i];
+        YCI_UNROLL
+        for (r = 0; r < count; r++)
+            if (back) here[(size_t)r * ldx] = there[(size_t)r * ldy];
+            else there[(size_t)r * ldy] = here[(size_t)r * ldx];
+    }
+}
+
+static void yci_ldl_solve_tiles(const yci_ldl *f, double *x, int count, size_t ldx, double *y) {
+    size_t ldy = (size_t)YCI_PANEL * (size_t)f->tiles.blocks;
+    memset(y, 0, ldy * (size_t)count * sizeof *y);
+    if (count == 1) yci_ldl_carry(f, x, 1, ldx, y, ldy, 0);
+    else if (count == 3) yci_ldl_carry(f, x, 3, ldx, y, ldy, 0);
+    else yci_ldl_carry(f, x, count, ldx, y, ldy, 0);
+    f->kernels->tiles_solve(&f->tiles, y, ldy, count);
+    if (count == 1) yci_ldl_carry(f, x, 1, ldx, y, ldy, 1);
+    else if (count == 3) yci_ldl_carry(f, x, 3, ldx, y, ldy, 1);
+    else yci_ldl_carry(f, x, count, ldx, y, ldy, 1);
+}
+
 /* Room for L and the update matrices, which nobody needs before the first factorisation. */
 static int yci_ldl_room(yci_ldl *f) {
     size_t sets = (size_t)f->tasks + 1;
@@ -4464,10 +4887,12 @@ static int yci_ldl_room(yci_ldl *f) {
     f->update = YCI_RAW(f->c, double, f->update_size);
     f->pivot = YCI_RAW(f->c, double, f->pivot_size);
     f->scaled = YCI_RAW(f->c, double, sets * f->scaled_size);
-    if (f->update && f->pivot && f->scaled) f->panel = YCI_RAW(f->c, double, f->super[f->supers].panel);
+    if (f->update && f->pivot && f->scaled && yci_ldl_tile(f))
+        f->panel = YCI_RAW(f->c, double, f->super[f->supers].panel);
     if (f->panel) return 1;
     yci_free(f->c, f->update), yci_free(f->c, f->pivot), yci_free(f->c, f->scaled);
     f->update = f->pivot = f->scaled = NULL;
+    yci_ldl_untile(f);
     return 0;
 }
 
@@ -4475,9 +4900,13 @@ static int yci_ldl_room(yci_ldl *f) {
  * failure there is no factor; the columns before f->pivots have one. */
 static yc_result yci_ldl_factor(yci_ldl *f, const double *value) {
     int bad, s;
-    f->factored = f->pivots = 0;
+    f->factored = f->pivots = f->tiled = 0;
     for (s = 0; s < f->supers; s++) f->super[s].repaired = 0;
     if (!yci_ldl_room(f)) return yci_out_of_memory(f->c, "a sparse factor");
+    if (yci_ldl_factor_tiles(f, value)) {
+        f->factored = f->tiled = 1, f->pivots = f->size;
+        return YC_OK;
+    }
     bad = yci_ldl_columns(f, value);
     f->pivots = bad < 0 ? f->size : bad;
     if (bad >= 0 && f->spd)
@@ -4492,7 +4921,8 @@ static yc_result yci_ldl_factor(yci_ldl *f, const double *value) {
 
 /* Numbers of `work` for a solve. */
 static size_t yci_ldl_work(const yci_ldl *f, int count) {
-    return ((size_t)f->size + (size_t)f->tallest + 2 * YCI_OVERREAD) * (size_t)count;
+    return ((size_t)f->size + (size_t)f->tallest + 2 * YCI_OVERREAD + (size_t)YCI_PANEL * (size_t)f->supers) *
+        (size_t)count;
 }
 
 static yci_trapezoid yci_ldl_trapezoid(const yci_ldl *f, int s) {
@@ -4528,6 +4958,10 @@ static void yci_ldl_solve_some(const yci_ldl *f, double *x, int count, size_t ld
     size_t ldy = (size_t)f->size + YCI_OVERREAD, ldz = (size_t)f->tallest + YCI_OVERREAD;
     double *z = work + ldy * (size_t)count;
     int s, r, i;
+    if (f->tiled) {
+        yci_ldl_solve_tiles(f, x, count, ldx, work);
+        return;
+    }
     for (r = 0; r < count; r++) {
         double *y = work + (size_t)r * ldy;
         for (i = 0; i < f->size; i++) y[i] = x[(size_t)r * ldx + (size_t)f->unknown[i]];
@@ -5005,9 +5439,11 @@ static size_t yci_chol_not_finite(const yc_chol *chol, const double *values) {
     const yci_ldl *f = chol->ldl;
     size_t k, first = chol->entries;
     int i, a, r;
-    double sum = 0.0;
-    for (k = 0; k < chol->entries; k++) sum += 0.0 * values[k];
-    if (sum == 0.0) return first;
+    double sum[4] = {0.0, 0.0, 0.0, 0.0}; /* at the same time, to hide an addition's time */
+    for (k = 0; k + 4 <= first; k += 4)
+        for (i = 0; i < 4; i++) sum[i] += 0.0 * values[k + (size_t)i];
+    for (; k < first; k++) sum[0] += 0.0 * values[k];
+    if (sum[0] + sum[1] + sum[2] + sum[3] == 0.0) return first;
     for (r = 0; r < f->super[f->supers].run; r++) {
         const yci_ldl_run *run = f->run + r;
         int from = run->from, stride = run->stride;

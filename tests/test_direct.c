@@ -1,7 +1,20 @@
 /* The sparse direct solver yc_chol: accuracy, what it reports and refuses, bits whatever the workers, memory. */
 
+static int tile_limit; /* of tiles that a small factor may have */
+#define YCI_LDL_TILES tile_limit
 #include "internals.h"
 #include "test.h"
+
+/* All tests here run twice, with small factors in tiles and with all of them in fronts. */
+#undef TEST
+#define TEST(name) \
+    static void name(void); \
+    void test_function_##name(void); \
+    void test_function_##name(void) { \
+        tile_limit = 2500, name(); \
+        tile_limit = 0, name(); \
+    } \
+    static void name(void)
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -236,12 +249,16 @@ static double solve_error(const matrix *m, yc_chol_kind kind, int scaled) {
     return worst;
 }
 
-/* Whatever the factor holds that has a meaning: columns from their diagonal block on. */
+/* Whatever the factor holds that has a meaning: tiles, or columns from their diagonal block on. */
 static uint64_t factor_bits(const yc_chol *chol) {
     const yci_ldl *f = chol->ldl;
     uint64_t bits = 1, one;
     int s, i, j;
-    for (s = 0; s < f->supers; s++)
+    for (i = 0; f->tiled && i < YCI_TILE * f->tiles.begin[f->tiles.blocks]; i++) {
+        memcpy(&one, f->tiles.l + i, sizeof one);
+        bits = (bits ^ one) * UINT64_C(0x100000001b3), bits ^= bits >> 29;
+    }
+    for (s = 0; !f->tiled && s < f->supers; s++)
         for (j = 0; j < f->super[s].width; j++)
             for (i = j; i < f->super[s].height; i++) {
                 memcpy(&one, f->panel + f->super[s].panel + (size_t)j * (size_t)f->super[s].height + i, sizeof one);
@@ -264,7 +281,8 @@ TEST(direct_meshes) {
         for (block = 1; block <= YCI_BLOCK_MAX; block++) {
             matrix m = matrix_open(shape, shape == DENSE ? 40 : shape == GRID ? 225 : 150, block);
             fill_dominant(&m, NULL, 3);
-            CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 0), 0.0, 1e-15);
+            /* In tiles the node that 149 others meet in adds up more rounding. */
+            CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 0), 0.0, shape == ARROW && tile_limit ? 2e-15 : 1e-15);
             CHECK_NEAR(solve_error(&m, YC_CHOL_QUASIDEFINITE, 0), 0.0, 1e-15);
             matrix_close(&m);
         }
