@@ -1201,6 +1201,7 @@ YC_FN int yci_block_repair(int n, double *a, const double *reference, double shi
 #define YCI_OVERREAD 8 /* numbers behind every array that a kernel reads */
 #define YCI_RIGHT 4    /* right-hand sides that are solved together */
 #define YCI_AHEAD 2048 /* numbers by which a solve asks for L ahead of its use */
+#define YCI_CORNER 40  /* numbers of a corner */
 
 /* Adds columns of `source` to columns of `target` in which their rows stand further apart: row k of the source goes to
  * row place[k], column k to column place[k]. Rows are told in chunks: chunk[c], at << 8 | bits, brings the source's
@@ -1215,8 +1216,11 @@ typedef struct yci_expansion {
 } yci_expansion;
 
 /* The columns of L that one front gives, height x width. Row i of them is unknown first + i of y where i < width, and
- * then row[i - width], of which there are YCI_OVERREAD - 1 more that name a spare entry of y. Diagonal blocks of
- * YCI_PANEL columns hold reciprocals on the diagonal, and below it what is there divided by the column's diagonal. */
+ * then row[i - width], of which there are YCI_OVERREAD - 1 more that name a spare entry of y. They are stored in the
+ * order of a forward solve, panel by panel of YCI_PANEL columns (the last may have fewer): the corner, which takes in
+ * the panel's first YCI_PANEL rows, and then the rows behind it in tiles of YCI_PANEL of them (the last may have
+ * fewer), each by columns. A corner holds reciprocals of the diagonal (one where there is no column), what is below
+ * it by columns, divided by the column's diagonal, and spare numbers. */
 typedef struct yci_trapezoid {
     const double *l;
     int first, width, height;
@@ -1243,6 +1247,18 @@ typedef struct yci_tiles {
 #define YCI_TILE_LOSS 1e-7
 #define YCI_TILE_LEAST 1e-280
 
+/* Numbers that these columns take. */
+static size_t yci_packed(int width, int height) {
+    size_t count = 0;
+    int c;
+    for (c = 0; c < width; c += YCI_PANEL) {
+        count += YCI_CORNER;
+        if (height - c > YCI_PANEL)
+            count += (size_t)yci_min_int(YCI_PANEL, width - c) * (size_t)(height - c - YCI_PANEL);
+    }
+    return count;
+}
+
 typedef struct yci_kernels {
     const char *name;
 
@@ -1257,8 +1273,12 @@ typedef struct yci_kernels {
 
     void (*expand)(const yci_expansion *e);
 
+    /* Turns height x width columns of a front, one behind the other, into those of a yci_trapezoid, in place; diagonal
+     * blocks of YCI_PANEL columns are as corners want them. `work`: YCI_PANEL * (height + 2 * YCI_OVERREAD). */
+    void (*pack)(int width, int height, double *l, double *work);
+
     /* Solves with one front of a sparse factor, in place on y: `count` arrays, at most YCI_RIGHT, of ldy numbers. `z`
-     * is work for the backward solve, ldz >= height + YCI_OVERREAD. */
+     * is work, ldz >= height + 2 * YCI_OVERREAD. */
     void (*forward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
     void (*backward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
 
@@ -1647,137 +1667,6 @@ YCI_TARGET static void YCI_(yci_expand)(const yci_expansion *e) {
     for (; j < e->count; j++) YCI_(yci_expand_some)(1, e, j);
 }
 
-/* x := inverse(G) x and z := inverse(G') (x - s) for the diagonal block of a panel, all of count arrays. */
-YCI_TARGET YCI_INLINE void YCI_(yci_triangle_forward)(
-    int n, const double *g, size_t ld, double *x, size_t ldx, int count) {
-    double v[YCI_RIGHT][YCI_PANEL];
-    int i, j, r;
-    YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_UNROLL
-    for (i = 0; i < n; i++) v[r][i] = x[(size_t)r * ldx + (size_t)i];
-    YCI_UNROLL
-    for (j = 0; j < n; j++) YCI_UNROLL
-    for (i = j + 1; i < n; i++) YCI_UNROLL
-    for (r = 0; r < count; r++) v[r][i] = V_FNMA1(g[(size_t)j * ld + (size_t)i], v[r][j], v[r][i]);
-    YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_UNROLL
-    for (i = 0; i < n; i++) x[(size_t)r * ldx + (size_t)i] = v[r][i] * g[(size_t)i * (ld + 1)];
-}
-
-YCI_TARGET YCI_INLINE void YCI_(yci_triangle_backward)(
-    int n, const double *g, size_t ld, const double *x, size_t ldx, const double *s, double *z, size_t ldz, int count) {
-    double v[YCI_RIGHT][YCI_PANEL] = {{0.0}};
-    int i, j, r;
-    YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_UNROLL
-    for (i = 0; i < n; i++) v[r][i] = (x[(size_t)r * ldx + (size_t)i] - s[YCI_PANEL * r + i]) * g[(size_t)i * (ld + 1)];
-    YCI_UNROLL
-    for (i = n - 1; i > 0; i--) YCI_UNROLL
-    for (j = 0; j < i; j++) YCI_UNROLL
-    for (r = 0; r < count; r++) v[r][j] = V_FNMA1(g[(size_t)j * ld + (size_t)i], v[r][i], v[r][j]);
-    YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_UNROLL
-    for (i = 0; i < n; i++) z[(size_t)r * ldz + (size_t)i] = v[r][i];
-}
-
-/* Calls f(n, ...) with n as a constant. */
-#define YCI_CASES(n, f, ...) \
-    switch (n) { \
-    case 1: f(1, __VA_ARGS__); break; \
-    case 2: f(2, __VA_ARGS__); break; \
-    case 3: f(3, __VA_ARGS__); break; \
-    case 4: f(4, __VA_ARGS__); break; \
-    case 5: f(5, __VA_ARGS__); break; \
-    case 6: f(6, __VA_ARGS__); break; \
-    case 7: f(7, __VA_ARGS__); break; \
-    default: f(8, __VA_ARGS__); \
-    }
-
-/* s := the product of `vectors` vectors of rows of A (n columns) with y. */
-YCI_TARGET YCI_INLINE void YCI_(yci_rows)(
-    V s[4][YCI_RIGHT], int vectors, int n, const double *a, size_t lda, const double *y, size_t ldy, int count) {
-    int i, r, j;
-    YCI_UNROLL
-    for (i = 0; i < vectors; i++) YCI_UNROLL
-    for (r = 0; r < count; r++) s[i][r] = V_SET(0.0);
-    for (j = 0; j < n; j++, a += lda) {
-        YCI_UNROLL
-        for (i = 0; i < vectors; i++) {
-            V x = V_LOAD(a + V_W * i);
-            V_PREFETCH(a + V_W * i + YCI_AHEAD);
-            YCI_UNROLL
-            for (r = 0; r < count; r++) s[i][r] = V_FMA(x, V_SET(y[(size_t)r * ldy + (size_t)j]), s[i][r]);
-        }
-    }
-}
-
-/* y[row[i]] -= (A x)[i] for m rows of A, in whole vectors: rows beyond m go to the spare entry. */
-YCI_TARGET YCI_INLINE void YCI_(yci_scatter)(int vectors, int n, const double *a, size_t lda, const double *x,
-    size_t ldx, const int *row, double *y, size_t ldy, int count) {
-    V s[4][YCI_RIGHT];
-    double lane[4 * V_W];
-    int i, r;
-    YCI_(yci_rows)(s, vectors, n, a, lda, x, ldx, count);
-    YCI_UNROLL
-    for (r = 0; r < count; r++) {
-        double *to = y + (size_t)r * ldy;
-        YCI_UNROLL
-        for (i = 0; i < vectors; i++) V_STORE(lane + V_W * i, s[i][r]);
-        for (i = 0; i < vectors * V_W; i++) to[row[i]] -= lane[i];
-    }
-}
-
-/* z := n numbers of x, and back; whole vectors of z are used. */
-YCI_TARGET YCI_INLINE void YCI_(yci_own)(int n, double *x, size_t ldx, double *z, size_t ldz, int back, int count) {
-    int i, r;
-    for (r = 0; r < count; r++, x += ldx, z += ldz) {
-        for (i = 0; i + V_W <= n; i += V_W)
-            if (back) V_STORE(x + i, V_LOAD(z + i));
-            else V_STORE(z + i, V_LOAD(x + i));
-        if (i == n) continue;
-        if (back) V_STORE_PART(x + i, V_LOAD(z + i), n - i);
-        else V_STORE(z + i, V_LOAD(x + i));
-    }
-}
-
-YCI_TARGET YCI_INLINE void YCI_(yci_forward_some)(
-    const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
-    size_t ld = (size_t)s->height;
-    int j, n, i, r, m = s->height - s->width;
-    YCI_(yci_own)(s->width, y + s->first, ldy, z, ldz, 0, count);
-    for (j = 0; j < s->width; j += n) {
-        const double *l = s->l + (size_t)j * (ld + 1);
-        n = yci_min_int(YCI_PANEL, s->width - j);
-        YCI_CASES(n, YCI_(yci_triangle_forward), l, ld, z + j, ldz, count)
-        for (i = j + n; i < s->width; i += V_W) {
-            V sum[4][YCI_RIGHT];
-            YCI_(yci_rows)(sum, 1, n, l + (i - j), ld, z + j, ldz, count);
-            YCI_UNROLL
-            for (r = 0; r < count; r++) {
-                double *to = z + (size_t)r * ldz + i;
-                V_STORE(to, V_SUB(V_LOAD(to), sum[0][r]));
-            }
-        }
-    }
-    YCI_(yci_own)(s->width, y + s->first, ldy, z, ldz, 1, count);
-    for (j = 0; j < s->width; j += n) {
-        const double *l = s->l + (size_t)j * ld + s->width;
-        n = yci_min_int(s->width - j, 64);
-        for (i = 0; m - i > 3 * V_W; i += 4 * V_W)
-            YCI_(yci_scatter)(4, n, l + i, ld, z + j, ldz, s->row + i, y, ldy, count);
-        for (; m - i > V_W; i += 2 * V_W) YCI_(yci_scatter)(2, n, l + i, ld, z + j, ldz, s->row + i, y, ldy, count);
-        if (m > i) YCI_(yci_scatter)(1, n, l + i, ld, z + j, ldz, s->row + i, y, ldy, count);
-    }
-}
-
-YCI_TARGET static void YCI_(yci_forward)(
-    const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
-    if (count == 1) YCI_(yci_forward_some)(s, y, ldy, 1, z, ldz);
-    else if (count == 2) YCI_(yci_forward_some)(s, y, ldy, 2, z, ldz);
-    else if (count == 3) YCI_(yci_forward_some)(s, y, ldy, 3, z, ldz);
-    else YCI_(yci_forward_some)(s, y, ldy, 4, z, ldz);
-}
-
 /* The sums of V_W vectors in the lanes of one. */
 YCI_TARGET YCI_INLINE V YCI_(yci_sums)(const V *s) {
 #if YCI_ISA == 512
@@ -1803,75 +1692,294 @@ YCI_TARGET YCI_INLINE V YCI_(yci_sums)(const V *s) {
 #endif
 }
 
-/* sum[8 r + j] := the products of V_COLUMNS columns of A, of which n exist, with m rows of z. */
-YCI_TARGET YCI_INLINE void YCI_(yci_columns)(
-    int n, int m, const double *a, size_t lda, const double *z, size_t ldz, double *sum, int count) {
-    V s[YCI_RIGHT][V_COLUMNS];
-    const double *column[V_COLUMNS];
+#define V_TILE_PART (YCI_PANEL / V_W) /* vectors of a column of a tile */
+
+/* x[r][q] := number q of array r in all lanes. */
+YCI_TARGET YCI_INLINE void YCI_(yci_spread_right)(const double *from, size_t ld, V (*x)[YCI_PANEL], int count) {
+    int q, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (q = 0; q < YCI_PANEL; q++) x[r][q] = V_SET(from[(size_t)r * ld + (size_t)q]);
+}
+
+/* z := A x for a tile, its columns lda apart. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_times)(
+    const double *a, size_t lda, const V (*x)[YCI_PANEL], V (*z)[V_TILE_PART], int count) {
+    int i, q, r, chains = count == 1 ? 2 : 1; /* sums at the same time, to hide an addition's time */
+    YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++) {
+        V s[YCI_RIGHT];
+        YCI_UNROLL
+        for (q = 0; q < YCI_PANEL; q++) {
+            V column = V_LOAD(a + lda * (size_t)q + V_W * i);
+            YCI_UNROLL
+            for (r = 0; r < count; r++) {
+                int at = r + (chains == 2 && q % 2);
+                s[at] = q < chains ? V_MUL(column, x[r][q]) : V_FMA(column, x[r][q], s[at]);
+            }
+        }
+        YCI_UNROLL
+        for (r = 0; r < count; r++) z[r][i] = chains == 2 ? V_ADD(s[0], s[1]) : s[r];
+    }
+}
+
+/* y -= A x for a tile. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_subtract)(
+    const double *a, size_t lda, const V (*x)[YCI_PANEL], double *y, size_t ldy, int count) {
+    V z[YCI_RIGHT][V_TILE_PART];
+    int i, r;
+    YCI_(yci_tile_times)(a, lda, x, z, count);
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++) {
+        double *at = y + (size_t)r * ldy + V_W * i;
+        V_STORE(at, V_SUB(V_LOAD(at), z[r][i]));
+    }
+}
+
+/* s[r][q] += column q of a tile times x, lane by lane, for V_COLUMNS columns. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_gather)(
+    const double *a, size_t lda, const double *x, size_t ldx, V (*s)[V_COLUMNS], int count) {
+    int i, q, r;
+    YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++) {
+        V at[YCI_RIGHT];
+        YCI_UNROLL
+        for (r = 0; r < count; r++) at[r] = V_LOAD(x + (size_t)r * ldx + V_W * i);
+        YCI_UNROLL
+        for (q = 0; q < V_COLUMNS; q++) {
+            V column = V_LOAD(a + lda * (size_t)q + V_W * i);
+            YCI_UNROLL
+            for (r = 0; r < count; r++) s[r][q] = V_FMA(column, at[r], s[r][q]);
+        }
+    }
+}
+
+/* The sums over the lanes, in vectors. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_sums)(V (*s)[V_COLUMNS], V (*sum)[V_TILE_PART], int first, int count) {
+    int q, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (q = 0; q < V_COLUMNS; q += V_W) sum[r][(first + q) / V_W] = YCI_(yci_sums)(s[r] + q);
+}
+
+/* ---- solves with a front ---- */
+
+/* The corner of n columns: `from` and its rows behind them are columns ld apart. */
+YCI_TARGET YCI_INLINE void YCI_(yci_pack_corner)(int n, int rows, const double *from, size_t ld, double *to) {
+    double *below = to + YCI_PANEL;
+    int i, q;
+    YCI_UNROLL
+    for (q = 0; q < YCI_PANEL; q++) {
+        double own = q < n ? from[(ld + 1) * (size_t)q] : 1.0;
+        to[q] = own;
+        YCI_UNROLL
+        for (i = q + 1; i < YCI_PANEL; i++) {
+            double x = q < n && i < rows ? from[ld * (size_t)q + (size_t)i] : 0.0;
+            *below++ = i < n ? x : x * own;
+        }
+    }
+    for (i = YCI_PANEL * (YCI_PANEL + 1) / 2; i < YCI_CORNER; i++) to[i] = 0.0;
+}
+
+YCI_TARGET static void YCI_(yci_pack)(int width, int height, double *l, double *work) {
+    double *to = l;
+    int c, i, q, k;
+    for (c = 0; c < width; c += YCI_PANEL) {
+        int n = yci_min_int(YCI_PANEL, width - c), rows = height - c;
+        size_t ld = ((size_t)rows + 7) & ~(size_t)7;
+        for (q = 0; q < n; q++) {
+            const double *from = l + (size_t)(c + q) * (size_t)height + c;
+            for (i = 0; i < rows; i += V_W) V_STORE(work + ld * (size_t)q + i, V_LOAD(from + i));
+        }
+        if (n == YCI_PANEL) YCI_(yci_pack_corner)(YCI_PANEL, YCI_PANEL, work, ld, to);
+        else YCI_(yci_pack_corner)(n, rows, work, ld, to);
+        for (to += YCI_CORNER, i = YCI_PANEL; i < rows; i += YCI_PANEL) {
+            int count = yci_min_int(YCI_PANEL, rows - i);
+            for (q = 0; q < n; q++, to += count)
+                for (k = 0; k < YCI_PANEL; k += V_W) V_STORE(to + k, V_LOAD(work + ld * (size_t)q + i + k));
+        }
+    }
+}
+
+/* x := inverse(G) x in the corner of a panel. */
+YCI_TARGET YCI_INLINE void YCI_(yci_corner_forward)(const double *g, double *x, size_t ldx, int count) {
+    double v[YCI_RIGHT][YCI_PANEL];
+    const double *below = g + YCI_PANEL;
     int i, j, r;
     YCI_UNROLL
-    for (j = 0; j < V_COLUMNS; j++) {
-        column[j] = a + (size_t)(j < n ? j : 0) * lda;
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < YCI_PANEL; i++) v[r][i] = x[(size_t)r * ldx + (size_t)i];
+    YCI_UNROLL
+    for (j = 0; j < YCI_PANEL; j++) {
         YCI_UNROLL
-        for (r = 0; r < count; r++) s[r][j] = V_SET(0.0);
-    }
-    for (i = 0; i < m; i += V_W) {
-        V x[YCI_RIGHT];
-        YCI_UNROLL
-        for (r = 0; r < count; r++) x[r] = V_LOAD(z + (size_t)r * ldz + i);
-        YCI_UNROLL
-        for (j = 0; j < V_COLUMNS; j++) {
-            V y = m - i < V_W ? V_LOAD_PART(column[j] + i, m - i) : V_LOAD(column[j] + i);
-            V_PREFETCH(column[j] + i - YCI_AHEAD);
-            YCI_UNROLL
-            for (r = 0; r < count; r++) s[r][j] = V_FMA(x[r], y, s[r][j]);
-        }
+        for (i = j + 1; i < YCI_PANEL; i++) YCI_UNROLL
+        for (r = 0; r < count; r++) v[r][i] = V_FNMA1(below[i - j - 1], v[r][j], v[r][i]);
+        below += YCI_PANEL - 1 - j;
     }
     YCI_UNROLL
     for (r = 0; r < count; r++) YCI_UNROLL
-    for (j = 0; j < V_COLUMNS; j += V_W) V_STORE(sum + YCI_PANEL * r + j, YCI_(yci_sums)(s[r] + j));
+    for (i = 0; i < YCI_PANEL; i++) x[(size_t)r * ldx + (size_t)i] = v[r][i] * g[i];
+}
+
+/* x := inverse(G') (x - sum). */
+YCI_TARGET YCI_INLINE void YCI_(yci_corner_backward)(
+    const double *g, const double (*sum)[YCI_PANEL], double *x, size_t ldx, int count) {
+    double v[YCI_RIGHT][YCI_PANEL];
+    int i, j, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < YCI_PANEL; i++) v[r][i] = (x[(size_t)r * ldx + (size_t)i] - sum[r][i]) * g[i];
+    YCI_UNROLL
+    for (i = YCI_PANEL - 1; i > 0; i--) YCI_UNROLL
+    for (j = 0; j < i; j++) YCI_UNROLL
+    for (r = 0; r < count; r++)
+        v[r][j] = V_FNMA1(g[YCI_PANEL + j * (2 * YCI_PANEL - 1 - j) / 2 + i - j - 1], v[r][i], v[r][j]);
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < YCI_PANEL; i++) x[(size_t)r * ldx + (size_t)i] = v[r][i];
+}
+
+/* Ones, and then as many zeros: YCI_FIRST + YCI_PANEL - n lets n numbers through. */
+#define YCI_FIRST YCI_(yci_first)
+static const double YCI_FIRST[2 * YCI_PANEL] = {1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0};
+
+YCI_TARGET YCI_INLINE void YCI_(yci_ahead)(const double *l) {
+    int i;
+    YCI_UNROLL
+    for (i = 0; i < YCI_PANEL; i++) V_PREFETCH(l + YCI_PANEL * i);
+}
+
+/* Forward through a panel of n columns, whose rows begin at z. Returns the next one. */
+YCI_TARGET YCI_INLINE const double *YCI_(yci_panel_forward)(
+    int n, int rows, const double *l, double *z, size_t ldz, int count) {
+    V x[YCI_RIGHT][YCI_PANEL];
+    double own[YCI_RIGHT][YCI_PANEL];
+    int i, r;
+    YCI_(yci_ahead)(l + YCI_AHEAD);
+    YCI_(yci_corner_forward)(l, z, ldz, count);
+    l += YCI_CORNER;
+    if (rows <= YCI_PANEL) return l;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < YCI_PANEL; i += V_W)
+        V_STORE(own[r] + i, V_MUL(V_LOAD(z + (size_t)r * ldz + i), V_LOAD(YCI_FIRST + YCI_PANEL - n + i)));
+    YCI_(yci_spread_right)(own[0], YCI_PANEL, x, count);
+    for (i = YCI_PANEL; i + YCI_PANEL <= rows; i += YCI_PANEL, l += YCI_PANEL * n) {
+        YCI_(yci_ahead)(l + YCI_AHEAD);
+        YCI_(yci_tile_subtract)(l, YCI_PANEL, (const V(*)[YCI_PANEL])x, z + i, ldz, count);
+    }
+    if (i == rows) return l;
+    YCI_(yci_ahead)(l + YCI_AHEAD);
+    YCI_(yci_tile_subtract)(l, (size_t)(rows - i), (const V(*)[YCI_PANEL])x, z + i, ldz, count);
+    return l + (rows - i) * n;
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_forward_some)(
+    const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
+    const double *l = s->l;
+    int c, i, r, m = s->height - s->width;
+    for (r = 0; r < count; r++) {
+        const double *from = y + (size_t)r * ldy + s->first;
+        double *to = z + (size_t)r * ldz;
+        for (i = 0; i < s->width; i += V_W) V_STORE(to + i, V_LOAD(from + i));
+        for (i = s->width; i < s->height + YCI_PANEL; i += V_W) V_STORE(to + i, V_SET(0.0));
+    }
+    for (c = 0; c + YCI_PANEL <= s->width; c += YCI_PANEL)
+        l = YCI_(yci_panel_forward)(YCI_PANEL, s->height - c, l, z + c, ldz, count);
+    if (c < s->width) YCI_(yci_panel_forward)(s->width - c, s->height - c, l, z + c, ldz, count);
+    for (r = 0; r < count; r++) {
+        const double *from = z + (size_t)r * ldz;
+        double *to = y + (size_t)r * ldy, *own = to + s->first;
+        for (i = 0; i + V_W <= s->width; i += V_W) V_STORE(own + i, V_LOAD(from + i));
+        if (i < s->width) V_STORE_PART(own + i, V_LOAD(from + i), s->width - i);
+        for (i = 0, from += s->width; i < m; i += YCI_OVERREAD) {
+            int k;
+            YCI_UNROLL
+            for (k = 0; k < YCI_OVERREAD; k++) to[s->row[i + k]] += from[i + k];
+        }
+    }
+}
+
+YCI_TARGET static void YCI_(yci_forward)(
+    const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
+    if (count == 1) YCI_(yci_forward_some)(s, y, ldy, 1, z, ldz);
+    else if (count == 2) YCI_(yci_forward_some)(s, y, ldy, 2, z, ldz);
+    else if (count == 3) YCI_(yci_forward_some)(s, y, ldy, 3, z, ldz);
+    else YCI_(yci_forward_some)(s, y, ldy, 4, z, ldz);
+}
+
+/* Backward through the panel that ends at l. Returns where it begins. */
+YCI_TARGET YCI_INLINE const double *YCI_(yci_panel_backward)(
+    int n, int rows, const double *l, double *z, size_t ldz, int count) {
+    V sum[YCI_RIGHT][V_TILE_PART];
+    double taken[YCI_RIGHT][YCI_PANEL];
+    const double *end = l;
+    int i, q, r, last = rows > YCI_PANEL ? (rows - 1) % YCI_PANEL + 1 : 0;
+    YCI_UNROLL
+    for (q = 0; q < YCI_PANEL; q += V_COLUMNS) {
+        V s[YCI_RIGHT][V_COLUMNS];
+        YCI_UNROLL
+        for (r = 0; r < count; r++) YCI_UNROLL
+        for (i = 0; i < V_COLUMNS; i++) s[r][i] = V_SET(0.0);
+        l = end;
+        if (last) {
+            l -= last * n;
+            if (q == 0) YCI_(yci_ahead)(l - YCI_AHEAD);
+            YCI_(yci_tile_gather)(l + q * last, (size_t)last, z + (rows - last), ldz, s, count);
+        }
+        for (i = rows - last - YCI_PANEL; i > 0; i -= YCI_PANEL) {
+            l -= YCI_PANEL * n;
+            if (q == 0) YCI_(yci_ahead)(l - YCI_AHEAD);
+            YCI_(yci_tile_gather)(l + YCI_PANEL * q, YCI_PANEL, z + i, ldz, s, count);
+        }
+        YCI_(yci_tile_sums)(s, sum, q, count);
+    }
+    l -= YCI_CORNER;
+    YCI_(yci_ahead)(l - YCI_AHEAD);
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++)
+        V_STORE(
+            taken[r] + V_W * i, V_PICK(V_LOAD(YCI_FIRST + YCI_PANEL - n + V_W * i), V_SET(0.5), sum[r][i], V_SET(0.0)));
+    YCI_(yci_corner_backward)(l, (const double(*)[YCI_PANEL])taken, z, ldz, count);
+    return l;
 }
 
 YCI_TARGET YCI_INLINE void YCI_(yci_backward_some)(
     const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
-    size_t ld = (size_t)s->height;
-    int j, n, i, r, m = s->height - s->width, some = count == 4 ? 2 : count; /* what the registers hold */
+    const double *l = s->l + yci_packed(s->width, s->height);
+    int c = (s->width - 1) / YCI_PANEL * YCI_PANEL, i, r, m = s->height - s->width;
     for (r = 0; r < count; r++) {
         const double *from = y + (size_t)r * ldy;
-        double *to = z + (size_t)r * ldz + s->width;
-        for (i = 0; i < m; i += YCI_OVERREAD) {
+        double *to = z + (size_t)r * ldz;
+        for (i = 0; i < s->width; i += V_W) V_STORE(to + i, V_LOAD(from + s->first + i));
+        for (i = 0, to += s->width; i < m; i += YCI_OVERREAD) {
             int k;
             YCI_UNROLL
             for (k = 0; k < YCI_OVERREAD; k++) to[i + k] = from[s->row[i + k]];
         }
-        YCI_UNROLL
-        for (i = 0; i < YCI_OVERREAD; i++) to[m + i] = 0.0;
+        for (i = 0; i < YCI_PANEL; i += V_W) V_STORE(to + m + i, V_SET(0.0));
     }
-    for (j = s->width; j > 0;) {
-        double sum[YCI_RIGHT * YCI_PANEL];
-        const double *l, *x;
-        n = (j - 1) % YCI_PANEL + 1;
-        j -= n, l = s->l + (size_t)j * (ld + 1), x = y + s->first + j;
-        for (i = 0; i < n; i += V_COLUMNS)
-            for (r = 0; r < count; r += some) YCI_(yci_columns)
-        (n - i, s->height - j - n, l + n + (size_t)i * ld, ld, z + (size_t)r * ldz + j + n, ldz,
-            sum + YCI_PANEL * r + i, some);
-        YCI_CASES(n, YCI_(yci_triangle_backward), l, ld, x, ldy, sum, z + j, ldz, count)
+    if (s->width - c < YCI_PANEL)
+        l = YCI_(yci_panel_backward)(s->width - c, s->height - c, l, z + c, ldz, count), c -= YCI_PANEL;
+    for (; c >= 0; c -= YCI_PANEL) l = YCI_(yci_panel_backward)(YCI_PANEL, s->height - c, l, z + c, ldz, count);
+    for (r = 0; r < count; r++) {
+        double *own = y + (size_t)r * ldy + s->first;
+        for (i = 0; i + V_W <= s->width; i += V_W) V_STORE(own + i, V_LOAD(z + (size_t)r * ldz + i));
+        if (i < s->width) V_STORE_PART(own + i, V_LOAD(z + (size_t)r * ldz + i), s->width - i);
     }
-    YCI_(yci_own)(s->width, y + s->first, ldy, z, ldz, 1, count);
 }
 
 YCI_TARGET static void YCI_(yci_backward)(
     const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz) {
     if (count == 1) YCI_(yci_backward_some)(s, y, ldy, 1, z, ldz);
-    else if (count == 2) YCI_(yci_backward_some)(s, y, ldy, 2, z, ldz);
     else if (count == 3) YCI_(yci_backward_some)(s, y, ldy, 3, z, ldz);
-    else YCI_(yci_backward_some)(s, y, ldy, 4, z, ldz);
+    else /* what the registers hold */
+        for (; count > 0; count -= 2, y += 2 * ldy) YCI_(yci_backward_some)(s, y, ldy, 2, z, ldz);
 }
 
 /* ---- small factors, in tiles ---- */
-
-#define V_TILE_PART (YCI_PANEL / V_W) /* vectors of a column of a tile */
 
 YCI_TARGET YCI_INLINE void YCI_(yci_tile_copy)(const double *from, double *to) {
     int i;
@@ -1993,77 +2101,37 @@ YCI_TARGET static int YCI_(yci_tiles_factor)(const yci_tiles *t) {
     return 1;
 }
 
-/* z := A x, for a tile; x[r][q] is number q of array r in all lanes. */
-YCI_TARGET YCI_INLINE void YCI_(yci_tile_times)(
-    const double *a, const V (*x)[YCI_PANEL], V (*z)[V_TILE_PART], int count) {
-    int i, q, r, chains = count == 1 ? 2 : 1; /* sums at the same time, to hide an addition's time */
-    YCI_UNROLL
-    for (i = 0; i < V_TILE_PART; i++) {
-        V s[YCI_RIGHT];
-        YCI_UNROLL
-        for (q = 0; q < YCI_PANEL; q++) {
-            V column = V_LOAD(a + YCI_PANEL * q + V_W * i);
-            YCI_UNROLL
-            for (r = 0; r < count; r++) {
-                int at = r + (chains == 2 && q % 2);
-                s[at] = q < chains ? V_MUL(column, x[r][q]) : V_FMA(column, x[r][q], s[at]);
-            }
-        }
-        YCI_UNROLL
-        for (r = 0; r < count; r++) z[r][i] = chains == 2 ? V_ADD(s[0], s[1]) : s[r];
-    }
-}
-
+/* y -= L y from the rows of one column of tiles. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tiles_forward)(
     int tiles, const double *l, const int *row, const double *own, double *y, size_t ldy, int count) {
-    V x[YCI_RIGHT][YCI_PANEL], z[YCI_RIGHT][V_TILE_PART];
-    int i, k, q, r;
-    YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_UNROLL
-    for (q = 0; q < YCI_PANEL; q++) x[r][q] = V_SET(own[(size_t)r * ldy + (size_t)q]);
-    for (k = 0; k < tiles; k++, l += YCI_TILE) {
-        double *to = y + YCI_PANEL * (size_t)row[k];
-        YCI_(yci_tile_times)(l, (const V(*)[YCI_PANEL])x, z, count);
-        YCI_UNROLL
-        for (r = 0; r < count; r++) YCI_UNROLL
-        for (i = 0; i < V_TILE_PART; i++) {
-            double *at = to + (size_t)r * ldy + V_W * i;
-            V_STORE(at, V_SUB(V_LOAD(at), z[r][i]));
-        }
-    }
+    V x[YCI_RIGHT][YCI_PANEL];
+    int k;
+    YCI_(yci_spread_right)(own, ldy, x, count);
+    for (k = 0; k < tiles; k++, l += YCI_TILE) YCI_(yci_tile_subtract)
+    (l, YCI_PANEL, (const V(*)[YCI_PANEL])x, y + YCI_PANEL * (size_t)row[k], ldy, count);
 }
 
 /* y := inverse(D) y - L' y in the rows of one column of tiles, from the last tile on: memory is read backwards. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tiles_backward)(
     int tiles, const double *l, const int *row, double *own, const double *y, size_t ldy, int count) {
-    V s[YCI_RIGHT][YCI_PANEL], x[YCI_RIGHT][YCI_PANEL], z[YCI_RIGHT][V_TILE_PART];
-    int i, q, r;
+    V x[YCI_RIGHT][YCI_PANEL], z[YCI_RIGHT][V_TILE_PART], sum[YCI_RIGHT][V_TILE_PART];
+    int i, k, q, r;
     YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_UNROLL
-    for (q = 0; q < YCI_PANEL; q++) s[r][q] = V_SET(0.0);
-    while (--tiles >= 0) {
-        const double *from = y + YCI_PANEL * (size_t)row[tiles], *a = l + YCI_TILE * (size_t)tiles;
+    for (q = 0; q < YCI_PANEL; q += V_COLUMNS) {
+        V s[YCI_RIGHT][V_COLUMNS];
         YCI_UNROLL
-        for (i = 0; i < V_TILE_PART; i++) {
-            V at[YCI_RIGHT];
-            YCI_UNROLL
-            for (r = 0; r < count; r++) at[r] = V_LOAD(from + (size_t)r * ldy + V_W * i);
-            YCI_UNROLL
-            for (q = 0; q < YCI_PANEL; q++) {
-                V column = V_LOAD(a + YCI_PANEL * q + V_W * i);
-                YCI_UNROLL
-                for (r = 0; r < count; r++) s[r][q] = V_FMA(column, at[r], s[r][q]);
-            }
-        }
+        for (r = 0; r < count; r++) YCI_UNROLL
+        for (i = 0; i < V_COLUMNS; i++) s[r][i] = V_SET(0.0);
+        YCI_UNROLL
+        for (k = tiles - 1; k >= 0; k--) YCI_(yci_tile_gather)
+        (l + YCI_TILE * (size_t)k + YCI_PANEL * q, YCI_PANEL, y + YCI_PANEL * (size_t)row[k], ldy, s, count);
+        YCI_(yci_tile_sums)(s, sum, q, count);
     }
+    YCI_(yci_spread_right)(own, ldy, x, count);
+    YCI_(yci_tile_times)(l - YCI_TILE, YCI_PANEL, (const V(*)[YCI_PANEL])x, z, count);
     YCI_UNROLL
     for (r = 0; r < count; r++) YCI_UNROLL
-    for (q = 0; q < YCI_PANEL; q++) x[r][q] = V_SET(own[(size_t)r * ldy + (size_t)q]);
-    YCI_(yci_tile_times)(l - YCI_TILE, (const V(*)[YCI_PANEL])x, z, count);
-    YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_UNROLL
-    for (i = 0; i < V_TILE_PART; i++)
-        V_STORE(own + (size_t)r * ldy + V_W * i, V_SUB(z[r][i], YCI_(yci_sums)(s[r] + V_W * i)));
+    for (i = 0; i < V_TILE_PART; i++) V_STORE(own + (size_t)r * ldy + V_W * i, V_SUB(z[r][i], sum[r][i]));
 }
 
 YCI_TARGET YCI_INLINE void YCI_(yci_tiles_solve_some)(const yci_tiles *t, double *y, size_t ldy, int count) {
@@ -2453,8 +2521,8 @@ YCI_TARGET static void YCI_(yci_solve_transposed)(
 #define YCI_TEXT_(name) #name
 #define YCI_TEXT(name) YCI_TEXT_(name)
 static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
-    YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_tiles_factor), YCI_(yci_tiles_solve), YCI_(yci_sizes),
-    YCI_(yci_transpose), YCI_(yci_pivots), YCI_(yci_exchange), YCI_(yci_update), YCI_(yci_solve),
+    YCI_(yci_pack), YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_tiles_factor), YCI_(yci_tiles_solve),
+    YCI_(yci_sizes), YCI_(yci_transpose), YCI_(yci_pivots), YCI_(yci_exchange), YCI_(yci_update), YCI_(yci_solve),
     YCI_(yci_solve_transposed)};
 
 #ifdef __clang__
@@ -2485,7 +2553,7 @@ static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product
 #undef V_FNMA1
 #undef V_TILE_PART
 #undef V_PREFETCH
-#undef YCI_CASES
+#undef YCI_FIRST
 #undef V_ALL_ROWS
 #undef V_COUNT
 #undef V_LOAD_PART
@@ -4001,7 +4069,7 @@ typedef struct yci_ldl {
     yci_ldl_run *run;
     double *panel, *update; /* L, and the update matrices alive */
     double *pivot;          /* the nodes' diagonal blocks (spd: the diagonal), and then the inverses of D */
-    double *scaled;         /* L D of a front's columns, for each task; empty when spd */
+    double *scaled;         /* work for each task: L D of a front's columns, or a panel that is packed */
     size_t pivot_size, scaled_size, update_size;
     int (*task)[2], tasks; /* ranges of supernodes that are whole subtrees, for parallel factorisation */
     double shift;          /* added to the diagonal of a pivot block without an inverse; 0: it fails */
@@ -4226,14 +4294,16 @@ static size_t yci_ldl_update_size(const yci_ldl_super *s) { return s->ld * (size
 /* Turns the plan's groups into supernodes and measures them. */
 static void yci_ldl_measure(yci_ldl *f, const yci_ldl_plan *t) {
     int s, first = 0;
-    size_t panels = 0;
+    size_t panels = 0, size;
     for (s = 0; s < f->supers; s++) {
         yci_ldl_super *u = f->super + s;
         double below = t->height[s] - t->width[s], w = t->width[s], h = t->height[s];
         u->first = first, first += t->width[s];
         u->width = t->width[s], u->height = t->height[s], u->parent = t->super_parent[s], u->child = -1;
         u->shift = u->width & ~7, u->ld = ((size_t)(u->height - u->shift) + 7) & ~(size_t)7;
-        u->panel = panels, panels += ((size_t)u->width * (size_t)u->height + YCI_OVERREAD + 7) & ~(size_t)7;
+        size = (size_t)u->width * (size_t)u->height;
+        if (size < yci_packed(u->width, u->height)) size = yci_packed(u->width, u->height);
+        u->panel = panels, panels += (size + YCI_OVERREAD + 7) & ~(size_t)7;
         if (u->height > f->tallest) f->tallest = u->height;
         f->nonzeros += w * below + 0.5 * w * (w + 1.0);
         f->flops += (h * (h + 1.0) * (2.0 * h + 1.0) - below * (below + 1.0) * (2.0 * below + 1.0)) / 6.0;
@@ -4460,7 +4530,7 @@ static int yci_ldl_build(yci_ldl *f, yci_ldl_plan *t, const yci_ldl_run *run, in
         f->update_size = yci_ldl_place_updates(f);
     }
     yci_free(c, block);
-    f->scaled_size = f->spd ? 0 : (size_t)(f->tallest + YCI_OVERREAD) * YCI_LDL_STEP;
+    f->scaled_size = (size_t)(f->tallest + 2 * YCI_OVERREAD) * (f->spd ? YCI_PANEL : YCI_LDL_STEP);
     return ok;
 }
 
@@ -4685,6 +4755,7 @@ static int yci_ldl_front(yci_ldl *f, int index, const double *value, int alone) 
                 f->c, items, 1 + 65536 / (1 + (t.end - t.begin) * (s->height - t.end)), yci_ldl_trail_columns, &t);
         else yci_ldl_trail_columns(&t, 0, items);
     }
+    f->kernels->pack(s->width, s->height, f->panel + s->panel, f->scaled + slot * f->scaled_size);
     for (child = s->child; child >= 0; child = f->super[child].next) yci_ldl_extend(f, f->super + child, s, 1);
     return -1;
 }
@@ -4882,14 +4953,17 @@ static void yci_ldl_solve_tiles(const yci_ldl *f, double *x, int count, size_t l
 
 /* Room for L and the update matrices, which nobody needs before the first factorisation. */
 static int yci_ldl_room(yci_ldl *f) {
-    size_t sets = (size_t)f->tasks + 1;
+    size_t sets = (size_t)f->tasks + 1, panels = f->super[f->supers].panel;
     if (f->panel) return 1;
     f->update = YCI_RAW(f->c, double, f->update_size);
     f->pivot = YCI_RAW(f->c, double, f->pivot_size);
     f->scaled = YCI_RAW(f->c, double, sets * f->scaled_size);
-    if (f->update && f->pivot && f->scaled && yci_ldl_tile(f))
-        f->panel = YCI_RAW(f->c, double, f->super[f->supers].panel);
-    if (f->panel) return 1;
+    if (f->update && f->pivot && f->scaled && yci_ldl_tile(f)) f->panel = YCI_RAW(f->c, double, panels + YCI_TILE);
+    if (f->panel) {
+        memset(
+            f->panel + panels, 0, YCI_TILE * sizeof *f->panel); /* solves read a whole tile where the last one ends */
+        return 1;
+    }
     yci_free(f->c, f->update), yci_free(f->c, f->pivot), yci_free(f->c, f->scaled);
     f->update = f->pivot = f->scaled = NULL;
     yci_ldl_untile(f);
@@ -4919,11 +4993,12 @@ static yc_result yci_ldl_factor(yci_ldl *f, const double *value) {
     return YC_OK;
 }
 
-/* Numbers of `work` for a solve. */
-static size_t yci_ldl_work(const yci_ldl *f, int count) {
-    return ((size_t)f->size + (size_t)f->tallest + 2 * YCI_OVERREAD + (size_t)YCI_PANEL * (size_t)f->supers) *
-        (size_t)count;
+/* Numbers of `work` for a solve: the unknowns, or all rows of tiles; and a front's. */
+static size_t yci_ldl_right(const yci_ldl *f) {
+    return ((size_t)f->size + YCI_PANEL * (size_t)f->supers + YCI_OVERREAD + 7) & ~(size_t)7;
 }
+static size_t yci_ldl_own(const yci_ldl *f) { return ((size_t)f->tallest + 2 * YCI_OVERREAD + 7) & ~(size_t)7; }
+static size_t yci_ldl_work(const yci_ldl *f, int count) { return (yci_ldl_right(f) + yci_ldl_own(f)) * (size_t)count; }
 
 static yci_trapezoid yci_ldl_trapezoid(const yci_ldl *f, int s) {
     const yci_ldl_super *u = f->super + s;
@@ -4955,7 +5030,7 @@ static void yci_ldl_divide(const yci_ldl *f, double *y) {
 /* x := inverse(A) x for at most YCI_RIGHT right-hand sides x[r * ldx + i] in the caller's numbering. Needs a factor;
  * `work` has yci_ldl_work(f, count) numbers. */
 static void yci_ldl_solve_some(const yci_ldl *f, double *x, int count, size_t ldx, double *work) {
-    size_t ldy = (size_t)f->size + YCI_OVERREAD, ldz = (size_t)f->tallest + YCI_OVERREAD;
+    size_t ldy = ((size_t)f->size + YCI_OVERREAD + 7) & ~(size_t)7, ldz = yci_ldl_own(f);
     double *z = work + ldy * (size_t)count;
     int s, r, i;
     if (f->tiled) {

@@ -249,21 +249,22 @@ static double solve_error(const matrix *m, yc_chol_kind kind, int scaled) {
     return worst;
 }
 
-/* Whatever the factor holds that has a meaning: tiles, or columns from their diagonal block on. */
+/* Whatever the factor holds that has a meaning: tiles, or packed columns. */
 static uint64_t factor_bits(const yc_chol *chol) {
     const yci_ldl *f = chol->ldl;
     uint64_t bits = 1, one;
-    int s, i, j;
+    int s, i;
     for (i = 0; f->tiled && i < YCI_TILE * f->tiles.begin[f->tiles.blocks]; i++) {
         memcpy(&one, f->tiles.l + i, sizeof one);
         bits = (bits ^ one) * UINT64_C(0x100000001b3), bits ^= bits >> 29;
     }
-    for (s = 0; !f->tiled && s < f->supers; s++)
-        for (j = 0; j < f->super[s].width; j++)
-            for (i = j; i < f->super[s].height; i++) {
-                memcpy(&one, f->panel + f->super[s].panel + (size_t)j * (size_t)f->super[s].height + i, sizeof one);
-                bits = (bits ^ one) * UINT64_C(0x100000001b3), bits ^= bits >> 29;
-            }
+    for (s = 0; !f->tiled && s < f->supers; s++) {
+        size_t k, count = yci_packed(f->super[s].width, f->super[s].height);
+        for (k = 0; k < count; k++) {
+            memcpy(&one, f->panel + f->super[s].panel + k, sizeof one);
+            bits = (bits ^ one) * UINT64_C(0x100000001b3), bits ^= bits >> 29;
+        }
+    }
     return bits;
 }
 
