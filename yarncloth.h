@@ -3230,7 +3230,7 @@ static int yci_order_fill(yci_order_graph *g, const int *dim, const int *ptr, co
             if (weight && j != i) list[kept++] = j;
             degree += weight;
         }
-        v->begin = ptr[i], v->elements = 0, v->length = kept, v->degree = degree, v->mark = 0,
+        v->begin = ptr[i], v->elements = 0, v->length = kept, v->degree = degree, v->outside = v->mark = 0,
         v->key = v->weight ? -1 : -2;
         g->link[i].ring = i;
     }
@@ -3289,7 +3289,7 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
     while (g.table_mask < n / 4) g.table_mask = 2 * g.table_mask + 1;
     if (entries <= (size_t)INT_MAX / 4 && size <= (size_t)INT_MAX / (4 * YCI_BLOCK_MAX)) {
         g.pool_begin = ptr[n], g.pool_size = 5 * (ptr[n] / 2) + 3 * n + 8;
-        block = (char *)yci_alloc(c, 1,
+        block = (char *)yci_alloc_raw(c, 1,
             size * (sizeof *g.node + sizeof *g.link) +
                 ((size_t)g.pool_size + size + 2 + (size_t)g.table_mask) * sizeof(int));
     }
@@ -3324,8 +3324,8 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
  * best moment is kept. Sides are cut again until they are small. Most of this is done on the graph of the first stars
  * alone; the whole graph then follows its cuts and improves them. Minimum degree at last orders the whole graph with
  * pieces and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
-#define YCI_DISSECT_LEAF 600     /* vertices of a graph that is not cut */
-#define YCI_DISSECT_COARSEST 60  /* of one that is not coarsened */
+#define YCI_DISSECT_LEAF 1000    /* vertices of a graph that is not cut */
+#define YCI_DISSECT_COARSEST 120 /* of one that is not coarsened */
 #define YCI_DISSECT_STAR 3       /* of a star; twice as many in the finest graph */
 #define YCI_DISSECT_TRIES 4      /* cuts of the coarsest graph */
 #define YCI_DISSECT_SWEEPS 20    /* of a level, at most */
@@ -4139,6 +4139,12 @@ static void yci_ldl_relate(yci_ldl *f, const int *dim, const int *where, yci_ldl
 static int yci_ldl_place(const yci_ldl_edge *edge, int count, int left, const int *where, int column, int height,
     const yci_ldl_run *given, yci_ldl_run *run) {
     int k, used = 0;
+    for (k = 0; !given && k < count; k++) {
+        int flip = edge[k].run < 0;
+        run[k].from = edge[k].run ^ -flip, run[k].to = column * height + where[edge[k].row], run[k].stride = 0;
+        run[k].rows = run[k].count = 1, run[k].grow = 0, run[k].flip = (unsigned char)flip;
+    }
+    if (!given) return count;
     for (k = 0; k < count; k++) {
         int row = where[edge[k].row], flip = edge[k].run < 0;
         if (k + YCI_LDL_SOON < left) {
@@ -4277,6 +4283,7 @@ static int *yci_ldl_localise(yci_context *c, yci_ldl_plan *t) {
 /* Analyses a full symmetric pattern of nodes with its diagonal (as of yci_bsr). `order` names the node eliminated k-th,
  * or is NULL for the library's choice, which `stage` (NULL or n numbers of 0 to n - 1) constrains: lower stages come
  * first. The runs give all values on and below the caller's diagonal, block by block;
+ * `run` is NULL if every block is a single value, and its run's number that of the value.
  * `first_run` is the first one of every entry of the pattern, or below the diagonal its complement: a node that is
  * eliminated before an earlier one has their block transposed. Nothing of the arguments is kept. On failure *out is
  * NULL. */
@@ -4951,6 +4958,21 @@ static void yci_chol_scan(yci_chol_blocks *m, int nodes, const int *shared, int 
     m->begin[nodes] = m->count;
 }
 
+/* The same for nodes of one unknown with all diagonal entries: no runs are needed, the entries are as good. Otherwise
+ * returns 0. */
+static int yci_chol_plain(yci_chol_blocks *m, int nodes) {
+    int i, k;
+    for (i = 0; m->b == 1 && i < nodes; i++) {
+        m->begin[i] = m->count;
+        for (k = m->ptr[i]; k < m->ptr[i + 1] && m->col[k] <= i; k++)
+            m->node[m->count] = m->col[k], m->first_run[m->count++] = k;
+        if (k == m->ptr[i] || m->col[k - 1] != i) break;
+    }
+    if (m->b > 1 || i < nodes) return m->count = 0;
+    m->begin[nodes] = m->run_count = m->count;
+    return 1;
+}
+
 /* The full symmetric pattern, with the first run of every entry. */
 static void yci_chol_graph(const yci_chol_blocks *m, int nodes, int *ptr, int *col, int *first_run) {
     const int *begin = m->begin, *node = m->node, *run = m->first_run;
@@ -4972,7 +4994,7 @@ static void yci_chol_graph(const yci_chol_blocks *m, int nodes, int *ptr, int *c
 static yc_result yci_chol_build(
     yc_chol *chol, const int *ptr, const int *col, const int *shared, const yc_chol_options *options) {
     yci_context *c = &chol->context;
-    int b = options->block, nodes = chol->n / b, i;
+    int b = options->block, nodes = chol->n / b, plain = 0, i;
     size_t size = (size_t)nodes, most = 0, entries;
     int *block, *dim, *graph = NULL;
     yci_chol_blocks m;
@@ -4980,10 +5002,13 @@ static yc_result yci_chol_build(
     for (i = 0; i < nodes; i++) most += (size_t)(ptr[b * (i + 1)] - ptr[b * i] + 2);
     memset(&m, 0, sizeof m);
     m.b = b, m.ptr = ptr, m.col = col;
-    block = YCI_RAW(c, int, 3 * size + 2 + 2 * most), m.run = YCI_RAW(c, yci_ldl_run, most);
-    if (block && m.run) {
+    block = YCI_RAW(c, int, 3 * size + 2 + 2 * most);
+    if (block) {
         dim = block, m.begin = dim + nodes, m.node = m.begin + nodes + 1, m.first_run = m.node + most;
-        yci_chol_scan(&m, nodes, shared, chol->lower);
+        plain = yci_chol_plain(&m, nodes);
+        if (!plain && (m.run = YCI_RAW(c, yci_ldl_run, most)) != NULL) yci_chol_scan(&m, nodes, shared, chol->lower);
+    }
+    if (block && (plain || m.run)) {
         entries = 2 * (size_t)m.count - size;
         if (entries < INT_MAX) graph = YCI_RAW(c, int, size + 1 + 2 * entries);
     }
