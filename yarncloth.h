@@ -3256,6 +3256,7 @@ typedef struct yci_order_graph {
     int *table, table_mask;                      /* hash table over the newest front */
     const int *stage;
     double unit, flops;      /* unknowns of a weight of 1; squared column counts */
+    int window;              /* nodes that come into play at once */
     int stamp, base, widest; /* what `outside` was for earlier fronts is below `base`; widest: the heaviest front */
 } yci_order_graph;
 
@@ -3286,12 +3287,13 @@ static void yci_order_unfile(yci_order_graph *g, int v) {
     else *head = link->next;
 }
 
-/* Takes out a variable of least degree. Buckets are lazy: a variable moves at once when its degree falls, but when it
- * grew, or the variable is gone, that is seen only here. */
-static int yci_order_next(yci_order_graph *g) {
+/* Takes out a variable of least degree; -1: there is none of degree `most` or less. Buckets are lazy: a variable moves
+ * at once when its degree falls, but when it grew, or the variable is gone, that is seen only here. */
+static int yci_order_next(yci_order_graph *g, int most) {
     for (;;) {
         int v;
-        while (g->head[g->lowest] < 0) g->lowest++;
+        while (g->lowest <= most && g->head[g->lowest] < 0) g->lowest++;
+        if (g->lowest > most) return -1;
         v = g->head[g->lowest];
         yci_order_unfile(g, v);
         if (!g->node[v].weight) continue;
@@ -3488,15 +3490,29 @@ static void yci_order_sort(int n, const int *stage, int *order, int *begin) {
 /* A node with more neighbours is left out: every step would touch it. */
 static int yci_order_limit(int n) { return (int)(10.0 * sqrt((double)n)) + 16; }
 
-/* Numbers the nodes whose index is -1 breadth first, so that neighbours are near each other in memory; `queue` becomes
- * the node of a number. Returns how many there are. */
-static int yci_order_breadth(int n, const int *ptr, const int *col, int *index, int *queue) {
-    int i = 0, k, seed, count = 0;
+/* Nodes come into play by windows. What has a degree of at most YCI_ORDER_DEGREE is eliminated before the next window
+ * comes; twice that after YCI_ORDER_WIDEN windows, four times after the square of that, and so on. */
+#define YCI_ORDER_WINDOW 4000 /* nodes, whose part of the graph fits the second cache */
+#define YCI_ORDER_DEGREE 16
+#define YCI_ORDER_WIDEN 8
+
+/* Numbers the nodes so that neighbours are near each other in memory: in patches of a window's size, grown breadth
+ * first, each from beside the first node that still has a neighbour without a number. `name` becomes the node of a
+ * number. */
+static int yci_order_patches(int n, const int *ptr, const int *col, int *index, int *name) {
+    int seed, from = 0, i, j, k, count = 0, full;
     for (seed = 0; seed < n; seed++) {
-        if (index[seed] == -1) index[seed] = count, queue[count++] = seed;
-        for (; i < count; i++)
-            for (k = ptr[queue[i]]; k < ptr[queue[i] + 1]; k++)
-                if (index[col[k]] == -1) index[col[k]] = count, queue[count++] = col[k];
+        if (index[seed] == -1) index[seed] = count, name[count++] = seed;
+        for (; from < count; from++)
+            for (k = ptr[name[from]]; k < ptr[name[from] + 1]; k++) {
+                if (index[col[k]] != -1) continue;
+                i = count, full = count + YCI_ORDER_WINDOW, index[col[k]] = count, name[count++] = col[k];
+                for (; i < count && count < full; i++) {
+                    if (i + 8 < count) YCI_PREFETCH(col + ptr[name[i + 8]]);
+                    for (j = ptr[name[i]]; j < ptr[name[i] + 1]; j++)
+                        if (index[col[j]] == -1) index[col[j]] = count, name[count++] = col[j];
+                }
+            }
     }
     return count;
 }
@@ -3524,7 +3540,7 @@ static int yci_order_fill(yci_order_graph *g, const int *dim, const int *ptr, co
             if (weight && j != i) list[kept++] = j;
             degree += weight;
         }
-        v->begin = ptr[i], v->elements = 0, v->length = kept, v->degree = degree, v->mark = 0,
+        v->begin = ptr[i], v->elements = 0, v->length = kept, v->degree = degree, v->outside = v->mark = 0,
         v->key = v->weight ? -1 : -2;
         g->link[i].ring = i;
     }
@@ -3533,22 +3549,37 @@ static int yci_order_fill(yci_order_graph *g, const int *dim, const int *ptr, co
     return plain;
 }
 
-/* Orders one stage, the nodes order[begin, end), in place. */
+/* Files the variables of window number `count`, from v on; returns the one behind, and in `limit` up to which degree
+ * there is to be eliminated now: the more windows are complete, the more. */
+static int yci_order_open(yci_order_graph *g, int v, int count, int *limit) {
+    int i;
+    for (i = 0; i < g->window && v >= 0; i++) {
+        int next = g->link[v].next;
+        if (g->node[v].weight) yci_order_file(g, v); /* others have become part of one */
+        v = next;
+    }
+    for (*limit = YCI_ORDER_DEGREE; count % YCI_ORDER_WIDEN == 0; count /= YCI_ORDER_WIDEN) *limit *= 2;
+    if (v < 0 || *limit > g->n) *limit = g->n;
+    return v;
+}
+
+/* Orders one stage, the nodes order[begin, end), in place. Those of a window are near each other, so most steps find
+ * what they touch in the cache: two to three times as fast on 100,000 nodes, at the same fill. Who waits is chained by
+ * `next`. */
 static void yci_order_stage(
     yci_order_graph *g, const int *dim, int *order, int begin, int end, yci_order_fronts *fronts) {
-    int k, i, pass, p;
+    int k, i, pass, p, waiting = -1, windows = 0, limit = -1;
     for (pass = 0; pass < 2; pass++) /* those left out to the end */
         for (k = end - 1, i = end; k >= begin; k--) {
             int v = order[k], last = pass ? g->node[v].key == -2 : !dim[v];
             if (last) order[k] = order[--i], order[i] = v;
         }
     end = i;
-    for (k = begin; k < end; k++) /* without those that became alike before */
-        if (g->node[order[k]].weight) yci_order_file(g, order[k]);
+    for (k = end - 1; k >= begin; k--) g->link[order[k]].next = waiting, waiting = order[k];
     for (k = begin; k < end;) {
-        int s = fronts->count++;
-        p = yci_order_next(g);
-        fronts->below[s] = yci_order_step(g, p), fronts->parent[s] = p, fronts->size[s] = k, i = p;
+        int s = fronts->count;
+        while ((p = yci_order_next(g, limit)) < 0) waiting = yci_order_open(g, waiting, ++windows, &limit);
+        fronts->count++, fronts->below[s] = yci_order_step(g, p), fronts->parent[s] = p, fronts->size[s] = k, i = p;
         do order[k++] = i, g->link[i].chain = s, i = g->link[i].ring;
         while (i != p);
         fronts->size[s] = k - fronts->size[s];
@@ -3556,9 +3587,10 @@ static void yci_order_stage(
 }
 
 /* Fills `order` with all n nodes, and the arrays of `fronts` (n each). With `stage` (numbers from 0 to n - 1), every
- * node of a stage comes before those of higher ones. */
+ * node of a stage comes before those of higher ones.
+ * `patched`: the nodes are numbered as by yci_order_patches. */
 static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim, const int *ptr, const int *col,
-    const int *stage, int *order, yci_order_fronts *fronts) {
+    const int *stage, int patched, int *order, yci_order_fronts *fronts) {
     yci_order_graph g;
     size_t size = (size_t)n, entries = (size_t)ptr[n];
     char *block = NULL;
@@ -3567,11 +3599,12 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
     while (g.table_mask < n / 4) g.table_mask = 2 * g.table_mask + 1;
     if (entries <= (size_t)INT_MAX / 4 && size <= (size_t)INT_MAX / (4 * YCI_BLOCK_MAX)) {
         g.pool_begin = ptr[n], g.pool_size = 5 * (ptr[n] / 2) + 3 * n + 8;
-        block = (char *)yci_alloc(c, 1,
+        block = (char *)yci_alloc_raw(c, 1,
             size * (sizeof *g.node + sizeof *g.link) +
                 ((size_t)g.pool_size + size + 2 + (size_t)g.table_mask) * sizeof(int));
     }
     if (!block) return yci_out_of_memory(c, "an elimination order");
+    g.window = patched ? YCI_ORDER_WINDOW : n;
     g.base = 1, g.n = g.lowest = n, g.stage = stage, g.pool_used = g.pool_begin;
     g.node = (yci_order_node *)block, g.link = (yci_order_link *)(g.node + n), g.list = (int *)(g.link + n);
     g.head = g.list + g.pool_size, g.table = g.head + n + 1;
@@ -3601,8 +3634,8 @@ static yc_result yci_order_minimum_degree(yci_context *c, int n, const int *dim,
  * best moment is kept. Sides are cut again until they are small. Most of this is done on the graph of the first stars
  * alone; the whole graph then follows its cuts and improves them. Minimum degree at last orders the whole graph with
  * pieces and separators as its stages, so that every boundary counts (as in CHOLMOD's NESDIS). */
-#define YCI_DISSECT_LEAF 600     /* vertices of a graph that is not cut */
-#define YCI_DISSECT_COARSEST 60  /* of one that is not coarsened */
+#define YCI_DISSECT_LEAF 1000    /* vertices of a graph that is not cut */
+#define YCI_DISSECT_COARSEST 120 /* of one that is not coarsened */
 #define YCI_DISSECT_STAR 3       /* of a star; twice as many in the finest graph */
 #define YCI_DISSECT_TRIES 4      /* cuts of the coarsest graph */
 #define YCI_DISSECT_SWEEPS 20    /* of a level, at most */
@@ -3917,7 +3950,7 @@ static void yci_dissect_nodes(yci_dissect *d, int n, const int *dim, const int *
     yci_dissect_graph g;
     int i, k, count, used = 0, *index = d->best, *queue = d->rim, limit = yci_order_limit(n);
     for (i = 0; i < n; i++) index[i] = dim[i] && ptr[i + 1] - ptr[i] <= limit ? -1 : -2;
-    count = yci_order_breadth(n, ptr, col, index, queue);
+    count = yci_order_patches(n, ptr, col, index, queue);
     yci_dissect_open(d, &g, count, ptr[n] - n, 0);
     for (i = 0; i < count; i++) {
         int v = g.id[i] = queue[i];
@@ -3959,7 +3992,7 @@ static yc_result yci_order_dissect(
         for (k = ptr[v]; k < ptr[v + 1]; k++) sorted_col[used++] = index[col[k]];
     }
     sorted_ptr[n] = used;
-    result = yci_order_minimum_degree(c, n, sorted_dim, sorted_ptr, sorted_col, sorted_stage, order, fronts);
+    result = yci_order_minimum_degree(c, n, sorted_dim, sorted_ptr, sorted_col, sorted_stage, 0, order, fronts);
     for (i = 0; result == YC_OK && i < n; i++) order[i] = at[order[i]];
     yci_free(c, block);
     return result;
@@ -3988,21 +4021,21 @@ static int yci_order_regular(int n, const int *ptr, const int *col) {
     return alike > n / 4 * 3;
 }
 
-static yc_result yci_order_auto(
-    yci_context *c, int n, const int *dim, const int *ptr, const int *col, int *order, yci_order_fronts *fronts) {
+static yc_result yci_order_auto(yci_context *c, int n, const int *dim, const int *ptr, const int *col, int patched,
+    int *order, yci_order_fronts *fronts) {
     yci_order_fronts other;
     size_t size = (size_t)n, bytes;
     yc_result result;
     double guess = n < YCI_ORDER_SMALL ? 0.0 : yci_order_guess(n, dim, ptr);
     int *block;
     if (guess < YCI_ORDER_WORTH * n || !n || yci_order_regular(n, ptr, col))
-        return yci_order_minimum_degree(c, n, dim, ptr, col, NULL, order, fronts);
+        return yci_order_minimum_degree(c, n, dim, ptr, col, NULL, patched, order, fronts);
     result = yci_order_dissect(c, n, dim, ptr, col, order, fronts);
-    if (result != YC_OK || fronts->flops < 1.5 * guess) return result;
+    if (result != YC_OK || fronts->flops < 2.0 * guess) return result;
     block = YCI_RAW(c, int, 4 * size);
     if (!block) return yci_out_of_memory(c, "an elimination order");
     other.size = block + size, other.below = other.size + n, other.parent = other.below + n;
-    result = yci_order_minimum_degree(c, n, dim, ptr, col, NULL, block, &other);
+    result = yci_order_minimum_degree(c, n, dim, ptr, col, NULL, patched, block, &other);
     if (result == YC_OK && other.flops < fronts->flops) {
         bytes = (size_t)other.count * sizeof(int);
         memcpy(order, block, size * sizeof(int)), memcpy(fronts->size, other.size, bytes);
@@ -4015,8 +4048,8 @@ static yc_result yci_order_auto(
 
 /* ------------------------------------------------------------------------------------ direct: symbolic analysis --- */
 
+#define YCI_LDL_FAR 30000 /* nodes of a pattern that may be renumbered */
 #define YCI_LDL_TASKS 32  /* at most: subtrees factored at the same time */
-#define YCI_LDL_FAR 40000 /* nodes of a pattern that may be renumbered */
 #define YCI_LDL_SOON 16   /* runs of values by which memory is asked ahead */
 #define YCI_LDL_STEP 64   /* columns of a front that are factored before the rest of it is updated */
 #ifndef YCI_LDL_TILES
@@ -4391,6 +4424,11 @@ static void yci_ldl_gather(const yci_ldl *f, yci_ldl_plan *t, yci_ldl_rows *m, i
         for (; i < last; i++) {
             int v = t->node[i], end = t->ptr[v + 1];
             m->edge_begin[i] = edges;
+            if (i + 8 < t->active) {
+                int soon = t->ptr[t->node[i + 8]];
+                YCI_PREFETCH(col + soon);
+                YCI_PREFETCH(run + soon);
+            }
             for (k = t->ptr[v]; k < end; k++) {
                 int r = pos[col[k]], fresh = (r >= last) & (mark[r] != s);
                 edge[edges].row = r, edge[edges].run = run[k], edges += r >= i;
@@ -4432,12 +4470,22 @@ static void yci_ldl_relate(yci_ldl *f, const int *dim, const int *where, yci_ldl
 }
 
 /* The runs of a node's entries, whose column begins at `column` of its panel. Returns their number. */
-static int yci_ldl_place(const yci_ldl_edge *edge, int count, const int *where, int column, int height,
+static int yci_ldl_place(const yci_ldl_edge *edge, int count, int left, const int *where, int column, int height,
     const yci_ldl_run *given, yci_ldl_run *run) {
     int k, used = 0;
+    for (k = 0; !given && k < count; k++) {
+        int flip = edge[k].run < 0;
+        run[k].from = edge[k].run ^ -flip, run[k].to = column * height + where[edge[k].row], run[k].stride = 0;
+        run[k].rows = run[k].count = 1, run[k].grow = 0, run[k].flip = (unsigned char)flip;
+    }
+    if (!given) return count;
     for (k = 0; k < count; k++) {
         int row = where[edge[k].row], flip = edge[k].run < 0;
-        const yci_ldl_run *from = given + (flip ? ~edge[k].run : edge[k].run);
+        if (k + YCI_LDL_SOON < left) {
+            int soon = edge[k + YCI_LDL_SOON].run;
+            YCI_PREFETCH(given + (soon ^ -(soon < 0)));
+        }
+        const yci_ldl_run *from = given + (edge[k].run ^ -flip);
         do {
             int r = from->to >> 3, c = from->to & 7;
             run[used] = *from, run[used].flip = (unsigned char)flip;
@@ -4471,8 +4519,8 @@ static void yci_ldl_maps(yci_ldl *f, const yci_ldl_plan *t, const int *dim, cons
             chunks += v->chunks;
         }
         for (; i < t->last[s]; i++)
-            runs += yci_ldl_place(m->edge + m->edge_begin[i], m->edge_begin[i + 1] - m->edge_begin[i], where, where[i],
-                u->height, given, f->run + runs);
+            runs += yci_ldl_place(m->edge + m->edge_begin[i], m->edge_begin[i + 1] - m->edge_begin[i],
+                m->edge_begin[t->active] - m->edge_begin[i], where, where[i], u->height, given, f->run + runs);
     }
     f->super[s].row = at, f->super[s].run = runs;
 }
@@ -4543,17 +4591,22 @@ static int yci_ldl_far(int n, const int *ptr, const int *col) {
     return n >= YCI_LDL_FAR && sum > 0.125 * n * count;
 }
 
-/* The plan of a pattern whose nodes are renumbered breadth first, in one block; NULL without memory. */
+/* The plan of a pattern whose nodes are renumbered, neighbours near each other, in one block; NULL without memory. */
 static int *yci_ldl_localise(yci_context *c, yci_ldl_plan *t) {
     size_t size = (size_t)t->n, entries = (size_t)t->ptr[t->n];
     int *block = YCI_RAW(c, int, 4 * size + 1 + 2 * entries), *index = block, i, k, used = 0;
     if (block) {
         int *name = index + size, *dim = name + size, *ptr = dim + size, *col = ptr + size + 1, *run = col + entries;
         for (i = 0; i < t->n; i++) index[i] = -1;
-        yci_order_breadth(t->n, t->ptr, t->col, index, name);
+        yci_order_patches(t->n, t->ptr, t->col, index, name);
         for (i = 0; i < t->n; i++) {
             int v = name[i];
             ptr[i] = used, dim[i] = t->dim[v];
+            if (i + 8 < t->n) {
+                int soon = t->ptr[name[i + 8]];
+                YCI_PREFETCH(t->col + soon);
+                YCI_PREFETCH(t->first_run + soon);
+            }
             for (k = t->ptr[v]; k < t->ptr[v + 1]; k++) col[used] = index[t->col[k]], run[used++] = t->first_run[k];
         }
         ptr[i] = used, t->index = index, t->dim = dim, t->ptr = ptr, t->col = col, t->first_run = run;
@@ -4564,6 +4617,7 @@ static int *yci_ldl_localise(yci_context *c, yci_ldl_plan *t) {
 /* Analyses a full symmetric pattern of nodes with its diagonal (as of yci_bsr). `order` names the node eliminated k-th,
  * or is NULL for the library's choice, which `stage` (NULL or n numbers of 0 to n - 1) constrains: lower stages come
  * first. The runs give all values on and below the caller's diagonal, block by block;
+ * `run` is NULL if every block is a single value, and its run's number that of the value.
  * `first_run` is the first one of every entry of the pattern, or below the diagonal its complement: a node that is
  * eliminated before an earlier one has their block transposed. Nothing of the arguments is kept. On failure *out is
  * NULL. */
@@ -4589,8 +4643,8 @@ static yc_result yci_ldl_analyze(yci_context *c, int n, const int *dim, const in
         t.height = at += size, t.group = at += size, t.last = at += size, at += size;
         fronts.size = t.width, fronts.below = t.below, fronts.parent = t.super_parent;
         if (!order && !stage && yci_ldl_far(n, ptr, col)) ok = (local = yci_ldl_localise(c, &t)) != NULL;
-        if (!order && stage) result = yci_order_minimum_degree(c, n, dim, ptr, col, stage, at, &fronts);
-        else if (!order && ok) result = yci_order_auto(c, n, t.dim, t.ptr, t.col, at, &fronts);
+        if (!order && stage) result = yci_order_minimum_degree(c, n, dim, ptr, col, stage, 0, at, &fronts);
+        else if (!order && ok) result = yci_order_auto(c, n, t.dim, t.ptr, t.col, local != NULL, at, &fronts);
         for (i = 0; i < n; i++) t.pos[i] = -1, t.work[i] = 0;
         for (i = 0; ok && result == YC_OK && i < n; i++) {
             int v = order ? order[i] : at[i];
@@ -5413,6 +5467,21 @@ static void yci_chol_scan(yci_chol_blocks *m, int nodes, const int *shared, int 
     m->begin[nodes] = m->count;
 }
 
+/* The same for nodes of one unknown with all diagonal entries: no runs are needed, the entries are as good. Otherwise
+ * returns 0. */
+static int yci_chol_plain(yci_chol_blocks *m, int nodes) {
+    int i, k;
+    for (i = 0; m->b == 1 && i < nodes; i++) {
+        m->begin[i] = m->count;
+        for (k = m->ptr[i]; k < m->ptr[i + 1] && m->col[k] <= i; k++)
+            m->node[m->count] = m->col[k], m->first_run[m->count++] = k;
+        if (k == m->ptr[i] || m->col[k - 1] != i) break;
+    }
+    if (m->b > 1 || i < nodes) return m->count = 0;
+    m->begin[nodes] = m->run_count = m->count;
+    return 1;
+}
+
 /* The full symmetric pattern, with the first run of every entry. */
 static void yci_chol_graph(const yci_chol_blocks *m, int nodes, int *ptr, int *col, int *first_run) {
     const int *begin = m->begin, *node = m->node, *run = m->first_run;
@@ -5434,7 +5503,7 @@ static void yci_chol_graph(const yci_chol_blocks *m, int nodes, int *ptr, int *c
 static yc_result yci_chol_build(
     yc_chol *chol, const int *ptr, const int *col, const int *shared, const yc_chol_options *options) {
     yci_context *c = &chol->context;
-    int b = options->block, nodes = chol->n / b, i;
+    int b = options->block, nodes = chol->n / b, plain = 0, i;
     size_t size = (size_t)nodes, most = 0, entries;
     int *block, *dim, *graph = NULL;
     yci_chol_blocks m;
@@ -5442,10 +5511,13 @@ static yc_result yci_chol_build(
     for (i = 0; i < nodes; i++) most += (size_t)(ptr[b * (i + 1)] - ptr[b * i] + 2);
     memset(&m, 0, sizeof m);
     m.b = b, m.ptr = ptr, m.col = col;
-    block = YCI_RAW(c, int, 3 * size + 2 + 2 * most), m.run = YCI_RAW(c, yci_ldl_run, most);
-    if (block && m.run) {
+    block = YCI_RAW(c, int, 3 * size + 2 + 2 * most);
+    if (block) {
         dim = block, m.begin = dim + nodes, m.node = m.begin + nodes + 1, m.first_run = m.node + most;
-        yci_chol_scan(&m, nodes, shared, chol->lower);
+        plain = yci_chol_plain(&m, nodes);
+        if (!plain && (m.run = YCI_RAW(c, yci_ldl_run, most)) != NULL) yci_chol_scan(&m, nodes, shared, chol->lower);
+    }
+    if (block && (plain || m.run)) {
         entries = 2 * (size_t)m.count - size;
         if (entries < INT_MAX) graph = YCI_RAW(c, int, size + 1 + 2 * entries);
     }

@@ -670,10 +670,11 @@ static void order_run(linear_system *s, int kind, const int *stage, order_result
     int i, total = 0;
     r->fronts.size = r->size, r->fronts.below = r->below, r->fronts.parent = r->parent;
     if (kind == 0)
-        CHECK_RESULT(yci_order_minimum_degree(&s->c, m->n, m->dim, m->ptr, m->col, stage, r->order, &r->fronts), YC_OK);
+        CHECK_RESULT(
+            yci_order_minimum_degree(&s->c, m->n, m->dim, m->ptr, m->col, stage, 0, r->order, &r->fronts), YC_OK);
     else if (kind == 1)
         CHECK_RESULT(yci_order_dissect(&s->c, m->n, m->dim, m->ptr, m->col, r->order, &r->fronts), YC_OK);
-    else CHECK_RESULT(yci_order_auto(&s->c, m->n, m->dim, m->ptr, m->col, r->order, &r->fronts), YC_OK);
+    else CHECK_RESULT(yci_order_auto(&s->c, m->n, m->dim, m->ptr, m->col, 0, r->order, &r->fronts), YC_OK);
     for (i = 0; i < m->n; i++) seen[i] = 0;
     for (i = 0; i < m->n; i++) seen[r->order[i]]++;
     for (i = 0; i < m->n; i++) CHECK(seen[i] == 1);
@@ -1016,7 +1017,7 @@ static yc_result order_memory_round(linear_system *s, int granted, order_result 
     yc_result result;
     CHECK_RESULT(yci_context_init(&c, &host), YC_OK);
     r->fronts.size = r->size, r->fronts.below = r->below, r->fronts.parent = r->parent;
-    result = yci_order_auto(&c, s->m.n, s->m.dim, s->m.ptr, s->m.col, r->order, &r->fronts);
+    result = yci_order_auto(&c, s->m.n, s->m.dim, s->m.ptr, s->m.col, 0, r->order, &r->fronts);
     CHECK(test_heap.live == 0 && c.bytes == 0);
     return result;
 }
