@@ -1702,16 +1702,16 @@ YCI_TARGET YCI_INLINE void YCI_(yci_spread_right)(const double *from, size_t ld,
     for (q = 0; q < YCI_PANEL; q++) x[r][q] = V_SET(from[(size_t)r * ld + (size_t)q]);
 }
 
-/* z := A x for a tile, its columns lda apart. */
+/* z := A x for a tile of n columns, lda apart; x is zero behind them. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tile_times)(
-    const double *a, size_t lda, const V (*x)[YCI_PANEL], V (*z)[V_TILE_PART], int count) {
+    int n, const double *a, size_t lda, const V (*x)[YCI_PANEL], V (*z)[V_TILE_PART], int count) {
     int i, q, r, chains = count == 1 ? 2 : 1; /* sums at the same time, to hide an addition's time */
     YCI_UNROLL
     for (i = 0; i < V_TILE_PART; i++) {
         V s[YCI_RIGHT];
         YCI_UNROLL
         for (q = 0; q < YCI_PANEL; q++) {
-            V column = V_LOAD(a + lda * (size_t)q + V_W * i);
+            V column = V_LOAD(a + lda * (size_t)(q < n ? q : 0) + V_W * i);
             YCI_UNROLL
             for (r = 0; r < count; r++) {
                 int at = r + (chains == 2 && q % 2);
@@ -1725,10 +1725,10 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile_times)(
 
 /* y -= A x for a tile. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tile_subtract)(
-    const double *a, size_t lda, const V (*x)[YCI_PANEL], double *y, size_t ldy, int count) {
+    int n, const double *a, size_t lda, const V (*x)[YCI_PANEL], double *y, size_t ldy, int count) {
     V z[YCI_RIGHT][V_TILE_PART];
     int i, r;
-    YCI_(yci_tile_times)(a, lda, x, z, count);
+    YCI_(yci_tile_times)(n, a, lda, x, z, count);
     YCI_UNROLL
     for (r = 0; r < count; r++) YCI_UNROLL
     for (i = 0; i < V_TILE_PART; i++) {
@@ -1737,9 +1737,9 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile_subtract)(
     }
 }
 
-/* s[r][q] += column q of a tile times x, lane by lane, for V_COLUMNS columns. */
+/* s[r][q] += column first + q of a tile of n columns times x, lane by lane. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tile_gather)(
-    const double *a, size_t lda, const double *x, size_t ldx, V (*s)[V_COLUMNS], int count) {
+    int first, int n, const double *a, size_t lda, const double *x, size_t ldx, V (*s)[V_COLUMNS], int count) {
     int i, q, r;
     YCI_UNROLL
     for (i = 0; i < V_TILE_PART; i++) {
@@ -1748,7 +1748,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile_gather)(
         for (r = 0; r < count; r++) at[r] = V_LOAD(x + (size_t)r * ldx + V_W * i);
         YCI_UNROLL
         for (q = 0; q < V_COLUMNS; q++) {
-            V column = V_LOAD(a + lda * (size_t)q + V_W * i);
+            V column = V_LOAD(a + lda * (size_t)(first + q < n ? first + q : 0) + V_W * i);
             YCI_UNROLL
             for (r = 0; r < count; r++) s[r][q] = V_FMA(column, at[r], s[r][q]);
         }
@@ -1800,6 +1800,7 @@ YCI_TARGET static void YCI_(yci_pack)(int width, int height, double *l, double *
                 for (k = 0; k < YCI_PANEL; k += V_W) V_STORE(to + k, V_LOAD(work + ld * (size_t)q + i + k));
         }
     }
+    for (k = 0; k < YCI_OVERREAD; k += V_W) V_STORE(to + k, V_SET(0.0)); /* what is read behind the last tile */
 }
 
 /* x := inverse(G) x in the corner of a panel. */
@@ -1867,11 +1868,11 @@ YCI_TARGET YCI_INLINE const double *YCI_(yci_panel_forward)(
     YCI_(yci_spread_right)(own[0], YCI_PANEL, x, count);
     for (i = YCI_PANEL; i + YCI_PANEL <= rows; i += YCI_PANEL, l += YCI_PANEL * n) {
         YCI_(yci_ahead)(l + YCI_AHEAD);
-        YCI_(yci_tile_subtract)(l, YCI_PANEL, (const V(*)[YCI_PANEL])x, z + i, ldz, count);
+        YCI_(yci_tile_subtract)(n, l, YCI_PANEL, (const V(*)[YCI_PANEL])x, z + i, ldz, count);
     }
     if (i == rows) return l;
     YCI_(yci_ahead)(l + YCI_AHEAD);
-    YCI_(yci_tile_subtract)(l, (size_t)(rows - i), (const V(*)[YCI_PANEL])x, z + i, ldz, count);
+    YCI_(yci_tile_subtract)(n, l, (size_t)(rows - i), (const V(*)[YCI_PANEL])x, z + i, ldz, count);
     return l + (rows - i) * n;
 }
 
@@ -1926,12 +1927,12 @@ YCI_TARGET YCI_INLINE const double *YCI_(yci_panel_backward)(
         if (last) {
             l -= last * n;
             if (q == 0) YCI_(yci_ahead)(l - YCI_AHEAD);
-            YCI_(yci_tile_gather)(l + q * last, (size_t)last, z + (rows - last), ldz, s, count);
+            YCI_(yci_tile_gather)(q, n, l, (size_t)last, z + (rows - last), ldz, s, count);
         }
         for (i = rows - last - YCI_PANEL; i > 0; i -= YCI_PANEL) {
             l -= YCI_PANEL * n;
             if (q == 0) YCI_(yci_ahead)(l - YCI_AHEAD);
-            YCI_(yci_tile_gather)(l + YCI_PANEL * q, YCI_PANEL, z + i, ldz, s, count);
+            YCI_(yci_tile_gather)(q, n, l, YCI_PANEL, z + i, ldz, s, count);
         }
         YCI_(yci_tile_sums)(s, sum, q, count);
     }
@@ -2108,7 +2109,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tiles_forward)(
     int k;
     YCI_(yci_spread_right)(own, ldy, x, count);
     for (k = 0; k < tiles; k++, l += YCI_TILE) YCI_(yci_tile_subtract)
-    (l, YCI_PANEL, (const V(*)[YCI_PANEL])x, y + YCI_PANEL * (size_t)row[k], ldy, count);
+    (YCI_PANEL, l, YCI_PANEL, (const V(*)[YCI_PANEL])x, y + YCI_PANEL * (size_t)row[k], ldy, count);
 }
 
 /* y := inverse(D) y - L' y in the rows of one column of tiles, from the last tile on: memory is read backwards. */
@@ -2124,11 +2125,11 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tiles_backward)(
         for (i = 0; i < V_COLUMNS; i++) s[r][i] = V_SET(0.0);
         YCI_UNROLL
         for (k = tiles - 1; k >= 0; k--) YCI_(yci_tile_gather)
-        (l + YCI_TILE * (size_t)k + YCI_PANEL * q, YCI_PANEL, y + YCI_PANEL * (size_t)row[k], ldy, s, count);
+        (q, YCI_PANEL, l + YCI_TILE * (size_t)k, YCI_PANEL, y + YCI_PANEL * (size_t)row[k], ldy, s, count);
         YCI_(yci_tile_sums)(s, sum, q, count);
     }
     YCI_(yci_spread_right)(own, ldy, x, count);
-    YCI_(yci_tile_times)(l - YCI_TILE, YCI_PANEL, (const V(*)[YCI_PANEL])x, z, count);
+    YCI_(yci_tile_times)(YCI_PANEL, l - YCI_TILE, YCI_PANEL, (const V(*)[YCI_PANEL])x, z, count);
     YCI_UNROLL
     for (r = 0; r < count; r++) YCI_UNROLL
     for (i = 0; i < V_TILE_PART; i++) V_STORE(own + (size_t)r * ldy + V_W * i, V_SUB(z[r][i], sum[r][i]));
@@ -5007,17 +5008,14 @@ static void yci_ldl_solve_tiles(const yci_ldl *f, double *x, int count, size_t l
 
 /* Room for L and the update matrices, which nobody needs before the first factorisation. */
 static int yci_ldl_room(yci_ldl *f) {
-    size_t sets = (size_t)f->tasks + 1, panels = f->super[f->supers].panel;
+    size_t sets = (size_t)f->tasks + 1;
     if (f->panel) return 1;
     f->update = YCI_RAW(f->c, double, f->update_size);
     f->pivot = YCI_RAW(f->c, double, f->pivot_size);
     f->scaled = YCI_RAW(f->c, double, sets * f->scaled_size);
-    if (f->update && f->pivot && f->scaled && yci_ldl_tile(f)) f->panel = YCI_RAW(f->c, double, panels + YCI_TILE);
-    if (f->panel) {
-        memset(
-            f->panel + panels, 0, YCI_TILE * sizeof *f->panel); /* solves read a whole tile where the last one ends */
-        return 1;
-    }
+    if (f->update && f->pivot && f->scaled && yci_ldl_tile(f))
+        f->panel = YCI_RAW(f->c, double, f->super[f->supers].panel);
+    if (f->panel) return 1;
     yci_free(f->c, f->update), yci_free(f->c, f->pivot), yci_free(f->c, f->scaled);
     f->update = f->pivot = f->scaled = NULL;
     yci_ldl_untile(f);
