@@ -1803,8 +1803,10 @@ YCI_TARGET static void YCI_(yci_pack)(int width, int height, double *l, double *
     for (k = 0; k < YCI_OVERREAD; k += V_W) V_STORE(to + k, V_SET(0.0)); /* what is read behind the last tile */
 }
 
-/* x := inverse(G) x in the corner of a panel. */
-YCI_TARGET YCI_INLINE void YCI_(yci_corner_forward)(const double *g, double *x, size_t ldx, int count) {
+/* x := inverse(G) x in the corner of a panel of n columns, of whose result all lanes of y[r][q] receive number q: from
+ * registers, since a vector loaded behind stores of its parts would wait. */
+YCI_TARGET YCI_INLINE void YCI_(yci_corner_forward)(
+    int n, const double *g, double *x, size_t ldx, V (*y)[YCI_PANEL], int count) {
     double v[YCI_RIGHT][YCI_PANEL];
     const double *below = g + YCI_PANEL;
     int i, j, r;
@@ -1820,7 +1822,10 @@ YCI_TARGET YCI_INLINE void YCI_(yci_corner_forward)(const double *g, double *x, 
     }
     YCI_UNROLL
     for (r = 0; r < count; r++) YCI_UNROLL
-    for (i = 0; i < YCI_PANEL; i++) x[(size_t)r * ldx + (size_t)i] = v[r][i] * g[i];
+    for (i = 0; i < YCI_PANEL; i++) {
+        v[r][i] *= g[i];
+        x[(size_t)r * ldx + (size_t)i] = v[r][i], y[r][i] = V_SET(i < n ? v[r][i] : 0.0);
+    }
 }
 
 /* x := inverse(G') (x - sum). */
@@ -1855,17 +1860,11 @@ YCI_TARGET YCI_INLINE void YCI_(yci_ahead)(const double *l) {
 YCI_TARGET YCI_INLINE const double *YCI_(yci_panel_forward)(
     int n, int rows, const double *l, double *z, size_t ldz, int count) {
     V x[YCI_RIGHT][YCI_PANEL];
-    double own[YCI_RIGHT][YCI_PANEL];
-    int i, r;
+    int i;
     YCI_(yci_ahead)(l + YCI_AHEAD);
-    YCI_(yci_corner_forward)(l, z, ldz, count);
+    YCI_(yci_corner_forward)(n, l, z, ldz, x, count);
     l += YCI_CORNER;
     if (rows <= YCI_PANEL) return l;
-    YCI_UNROLL
-    for (r = 0; r < count; r++) YCI_UNROLL
-    for (i = 0; i < YCI_PANEL; i += V_W)
-        V_STORE(own[r] + i, V_MUL(V_LOAD(z + (size_t)r * ldz + i), V_LOAD(YCI_FIRST + YCI_PANEL - n + i)));
-    YCI_(yci_spread_right)(own[0], YCI_PANEL, x, count);
     for (i = YCI_PANEL; i + YCI_PANEL <= rows; i += YCI_PANEL, l += YCI_PANEL * n) {
         YCI_(yci_ahead)(l + YCI_AHEAD);
         YCI_(yci_tile_subtract)(n, l, YCI_PANEL, (const V(*)[YCI_PANEL])x, z + i, ldz, count);
@@ -4715,6 +4714,16 @@ static void yci_ldl_extend(const yci_ldl *f, const yci_ldl_super *child, const y
     f->kernels->expand(&e);
 }
 
+YCI_INLINE void yci_ldl_put(
+    const yci_ldl_run *run, int rows, int count, const double *from, double *to, size_t height) {
+    size_t along = run->flip ? 1 : height, down = run->flip ? height : 1;
+    int a, i, stride = run->stride;
+    for (a = 0; a < rows; a++, from += stride, stride += run->grow, to += down) {
+        YCI_UNROLL
+        for (i = 0; i < count; i++) to[(size_t)i * along] = from[i];
+    }
+}
+
 /* Fills the panel of a supernode: its own values, and what its children leave in its columns. Keeps its diagonal
  * blocks before anything is subtracted from them. */
 static void yci_ldl_assemble(const yci_ldl *f, const yci_ldl_super *s, const double *value, double *pivot) {
@@ -4726,11 +4735,10 @@ static void yci_ldl_assemble(const yci_ldl *f, const yci_ldl_super *s, const dou
         const yci_ldl_run *run = f->run + k;
         const double *from = value + run->from;
         double *to = panel + run->to;
-        size_t along = run->flip ? 1 : h, down = run->flip ? h : 1;
-        int stride = run->stride;
         if (k + YCI_LDL_SOON < runs) YCI_PREFETCH(value + run[YCI_LDL_SOON].from);
-        for (a = 0; a < run->rows; a++, from += stride, stride += run->grow, to += down)
-            for (i = 0; i < run->count; i++) to[(size_t)i * along] = from[i];
+        if (run->rows == 1 && run->count == 1) *to = *from; /* the common sizes, as constants */
+        else if (run->rows == 3 && run->count == 3) yci_ldl_put(run, 3, 3, from, to, h);
+        else yci_ldl_put(run, run->rows, run->count, from, to, h);
     }
     for (i = 0; i < s->width; i += d) {
         const double *corner = panel + (size_t)i * (h + 1);
