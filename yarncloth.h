@@ -1253,9 +1253,12 @@ typedef struct yci_kernels {
      * is work for the backward solve, ldz >= height + YCI_OVERREAD. */
     void (*forward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
     void (*backward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
-    /* For LU. Sums of |A|'s columns are left in `sums`, in whole vectors; returns the largest |a[i * lda + j]|. A is the
-     * only operand that ends where it ends. */
-    double (*sizes)(int m, int n, const double *a, size_t lda, double *sums);
+    /* For LU. Whether A's entries, m x n at a[i * lda + j], are finite; A is the only operand that ends where it ends. */
+    int (*finite)(size_t m, size_t n, const double *a, size_t lda);
+
+    /* Copies A, n x n, to F, with zeros around it up to whole panels. Leaves in `sums` those of |A|'s columns, the
+     * largest of them in *norm, and returns the largest |a[i * lda + j]|. */
+    double (*take)(int n, const double *a, size_t lda, double *f, size_t ldf, double *sums, double *norm);
 
     /* B = A', m and n being multiples of YCI_PANEL. */
     void (*transpose)(int m, int n, const double *a, size_t lda, double *b, size_t ldb);
@@ -1888,33 +1891,77 @@ YCI_TARGET static void YCI_(yci_backward)(
 
 /* ---- LU ---- */
 
-YCI_TARGET static double YCI_(yci_sizes)(int m, int n, const double *a, size_t lda, double *sums) {
-    V most[4];
-    double lane[V_W], largest = 0.0;
-    int i, j, k;
+/* The largest of `count` vectors in all lanes; NaN does not count. */
+YCI_TARGET YCI_INLINE V YCI_(yci_most)(int count, V *x) {
+    int i;
     YCI_UNROLL
-    for (k = 0; k < 4; k++) most[k] = V_SET(0.0);
-    for (j = 0; j < n; j += V_W) V_STORE(sums + j, most[0]);
-    for (i = 0; i + 4 <= m; i += 4, a += 4 * lda)
-        for (j = 0; j < n; j += V_W) {
-            V x[4];
-            YCI_UNROLL
-            for (k = 0; k < 4; k++) {
-                const double *at = a + (size_t)k * lda + j;
-                x[k] = V_ABS(n - j < V_W ? V_LOAD_PART(at, n - j) : V_LOAD(at));
-                most[k] = V_MAX(x[k], most[k]);
-            }
-            V_STORE(sums + j, V_ADD(V_ADD(V_LOAD(sums + j), V_ADD(x[0], x[1])), V_ADD(x[2], x[3])));
-        }
-    for (; i < m; i++, a += lda)
-        for (j = 0; j < n; j += V_W) {
-            V x = V_ABS(n - j < V_W ? V_LOAD_PART(a + j, n - j) : V_LOAD(a + j));
-            most[0] = V_MAX(x, most[0]);
-            V_STORE(sums + j, V_ADD(V_LOAD(sums + j), x));
-        }
-    V_STORE(lane, V_MAX(V_MAX(most[0], most[1]), V_MAX(most[2], most[3])));
-    for (i = 0; i < V_W; i++) largest = yci_max(largest, lane[i]);
-    return largest;
+    for (i = count / 2; i > 0; i /= 2) {
+        int k;
+        YCI_UNROLL
+        for (k = 0; k < i; k++) x[k] = V_MAX(x[k], x[k + i]);
+    }
+    return V_MOST(x[0]);
+}
+
+/* Zero times A is zero, but for infinity and NaN. */
+YCI_TARGET static int YCI_(yci_finite)(size_t m, size_t n, const double *a, size_t lda) {
+    V sum[8], zero = V_SET(0.0);
+    double lane[V_W];
+    size_t i, j;
+    int k, finite = 1;
+    if (lda == n) n *= m, m = 1; /* one long row has one end */
+    YCI_UNROLL
+    for (k = 0; k < 8; k++) sum[k] = zero;
+    for (i = 0; i < m; i++, a += lda) {
+        for (j = 0; n - j >= 8 * V_W; j += 8 * V_W) YCI_UNROLL
+        for (k = 0; k < 8; k++) sum[k] = V_FMA(V_LOAD(a + j + V_W * k), zero, sum[k]);
+        for (; n - j >= V_W; j += V_W) sum[0] = V_FMA(V_LOAD(a + j), zero, sum[0]);
+        if (j < n) sum[1] = V_FMA(V_LOAD_PART(a + j, (int)(n - j)), zero, sum[1]);
+    }
+    YCI_UNROLL
+    for (k = 1; k < 8; k++) sum[0] = V_ADD(sum[0], sum[k]);
+    V_STORE(lane, sum[0]);
+    for (k = 0; k < V_W; k++) finite = finite && lane[k] == 0.0;
+    return finite;
+}
+
+/* The first n <= V_W numbers of some rows. */
+YCI_TARGET YCI_INLINE void YCI_(yci_take_some)(
+    int rows, int n, const double *a, size_t lda, double *f, size_t ldf, double *sums, V *most) {
+    V sum = V_LOAD(sums);
+    int k;
+    YCI_UNROLL
+    for (k = 0; k < rows; k++) {
+        V x = n == V_W ? V_LOAD(a + (size_t)k * lda) : V_LOAD_PART(a + (size_t)k * lda, n);
+        V_STORE(f + (size_t)k * ldf, x);
+        x = V_ABS(x), most[k] = V_MAX(x, most[k]), sum = V_ADD(sum, x);
+    }
+    V_STORE(sums, sum);
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_take_rows)(
+    int rows, int n, const double *a, size_t lda, double *f, size_t ldf, double *sums, V *most) {
+    int j, k;
+    for (j = 0; j + V_W <= n; j += V_W) YCI_(yci_take_some)(rows, V_W, a + j, lda, f + j, ldf, sums + j, most);
+    if (j < n) YCI_(yci_take_some)(rows, n - j, a + j, lda, f + j, ldf, sums + j, most), j += V_W;
+    for (; j % YCI_PANEL; j += V_W)
+        for (k = 0; k < rows; k++) V_STORE(f + (size_t)k * ldf + j, V_SET(0.0));
+}
+
+YCI_TARGET static double YCI_(yci_take)(
+    int n, const double *a, size_t lda, double *f, size_t ldf, double *sums, double *norm) {
+    V most[4], widest[4], zero = V_SET(0.0);
+    int i, k;
+    YCI_UNROLL
+    for (k = 0; k < 4; k++) most[k] = widest[k] = zero;
+    for (i = 0; i < n; i += V_W) V_STORE(sums + i, zero);
+    for (i = 0; i + 4 <= n; i += 4, a += 4 * lda, f += 4 * ldf) YCI_(yci_take_rows)(4, n, a, lda, f, ldf, sums, most);
+    for (; i < n; i++, a += lda, f += ldf) YCI_(yci_take_rows)(1, n, a, lda, f, ldf, sums, most);
+    for (; i % YCI_PANEL; i++, f += ldf)
+        for (k = 0; k < n; k += V_W) V_STORE(f + k, zero);
+    for (i = 0; i < n; i += V_W) widest[0] = V_MAX(V_LOAD(sums + i), widest[0]);
+    *norm = V_FIRST(YCI_(yci_most)(4, widest));
+    return V_FIRST(YCI_(yci_most)(4, most));
 }
 
 YCI_TARGET static void YCI_(yci_transpose)(int m, int n, const double *a, size_t lda, double *b, size_t ldb) {
@@ -1949,18 +1996,6 @@ YCI_TARGET static void YCI_(yci_transpose)(int m, int n, const double *a, size_t
                 for (q = 0; q < 8; q++) (to + p)[(size_t)q * ldb] = (from + q)[(size_t)p * lda];
 #endif
         }
-}
-
-/* The largest of `count` vectors in all lanes; NaN does not count. */
-YCI_TARGET YCI_INLINE V YCI_(yci_most)(int count, V *x) {
-    int i;
-    YCI_UNROLL
-    for (i = count / 2; i > 0; i /= 2) {
-        int k;
-        YCI_UNROLL
-        for (k = 0; k < i; k++) x[k] = V_MAX(x[k], x[k + i]);
-    }
-    return V_MOST(x[0]);
 }
 
 /* The first row of a column whose size is `most`, which is in it. Looks at whole groups of rows. */
@@ -2151,7 +2186,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_rest)(
 /* The tile of the next rows is fetched meanwhile: they lie far apart, where no processor foresees them. */
 YCI_TARGET static void YCI_(yci_update)(int m, int n, int k, const double *l, size_t ldl, double *c, size_t ldc) {
     double u[YCI_LU_STRIP * YCI_LU_BLOCK];
-    int i, j, p;
+    int i, j, p, far = ldc > 256;
     for (j = 0; j < k; j += YCI_PANEL, l += YCI_PANEL * ldl, c += YCI_PANEL * ldc)
         for (i = 0; i < m; i += V_STRIP_V * V_W) {
 #if V_STRIP_V == 3
@@ -2162,7 +2197,7 @@ YCI_TARGET static void YCI_(yci_update)(int m, int n, int k, const double *l, si
                 YCI_(yci_upper)(V_STRIP_V, j, l, ldl, u + i, c + i, ldc);
         }
     for (; j < n; j += V_TILE_N, l += V_TILE_N * ldl, c += V_TILE_N * ldc) {
-        for (p = V_TILE_N; p < 2 * V_TILE_N; p++)
+        for (p = V_TILE_N; far && p < 2 * V_TILE_N; p++)
             for (i = 0; i < m; i += 8) V_PREFETCH(c + (size_t)p * ldc + i);
         for (i = 0; i < m; i += V_TILE_V * V_W) {
             if (m - i == V_W) YCI_(yci_rest)(1, k, l, ldl, u + i, c + i, ldc);
@@ -2362,8 +2397,8 @@ YCI_TARGET static void YCI_(yci_solve_transposed)(
 #define YCI_TEXT_(name) #name
 #define YCI_TEXT(name) YCI_TEXT_(name)
 static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
-    YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_sizes), YCI_(yci_transpose), YCI_(yci_panel), YCI_(yci_exchange),
-    YCI_(yci_update), YCI_(yci_solve), YCI_(yci_solve_transposed)};
+    YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_finite), YCI_(yci_take), YCI_(yci_transpose), YCI_(yci_panel),
+    YCI_(yci_exchange), YCI_(yci_update), YCI_(yci_solve), YCI_(yci_solve_transposed)};
 
 #ifdef __clang__
 #pragma clang diagnostic pop
@@ -2552,8 +2587,8 @@ YC_API void yc_lu_destroy(yc_lu *lu) {
     yci_free(&c, lu);
 }
 
-/* A leading dimension of at least n whole lines whose multiples do not meet in the same part of a cache. */
-static size_t yci_lu_stride(int rows) { return (size_t)rows + (rows % 64 == 0 ? YCI_PANEL : 0); }
+/* A leading dimension of whole lines whose multiples do not meet in the same part of a cache, where that matters. */
+static size_t yci_lu_stride(int rows) { return (size_t)rows + (rows > 64 && rows % 64 == 0 ? YCI_PANEL : 0); }
 
 static int yci_lu_allocate(yc_lu *lu) {
     yci_context *c = &lu->context;
@@ -2611,7 +2646,7 @@ static void yci_lu_strip(const yc_lu *lu, int begin, int end, int from, int to) 
 static int yci_lu_columns(const yci_lu_block_of *b, int begin, int end) {
     yc_lu *lu = b->lu;
     int middle = begin + (end - begin + 2 * YCI_PANEL - 1) / (2 * YCI_PANEL) * YCI_PANEL, bad, j;
-    int stop = (end + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL;
+    int stop = (end + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL, wide = stop - middle <= 32 ? 16 : YCI_LU_STRIP;
     if (end - begin <= YCI_PANEL) {
         yci_panel panel = lu->panel;
         panel.first = b->begin - begin, panel.last = (b->end + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL - begin;
@@ -2625,8 +2660,7 @@ static int yci_lu_columns(const yci_lu_block_of *b, int begin, int end) {
         return -1;
     }
     if ((bad = yci_lu_columns(b, begin, middle)) >= 0) return bad;
-    for (j = middle; j < stop; j += YCI_LU_STRIP)
-        yci_lu_strip(lu, begin, middle, j, yci_min_int(j + YCI_LU_STRIP, stop));
+    for (j = middle; j < stop; j += wide) yci_lu_strip(lu, begin, middle, j, yci_min_int(j + wide, stop));
     return yci_lu_columns(b, middle, end);
 }
 
@@ -2698,32 +2732,20 @@ static int yci_lu_all(yc_lu *lu) {
 }
 
 static yc_result yci_lu_not_finite(yc_lu *lu, const double *a, int lda) {
-    int i, j;
-    for (i = 0; i < lu->n; i++)
-        for (j = 0; j < lu->n; j++) {
-            double value = a[(size_t)i * (size_t)lda + (size_t)j];
-            if (!(fabs(value) <= DBL_MAX))
-                return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", i, j, value);
-        }
-    return YC_OK; /* a sum overflowed */
+    int k = 0;
+    while (fabs(a[(size_t)(k / lu->n) * (size_t)lda + (size_t)(k % lu->n)]) <= DBL_MAX) k++;
+    return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", k / lu->n, k % lu->n,
+        a[(size_t)(k / lu->n) * (size_t)lda + (size_t)(k % lu->n)]);
 }
 
 YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
-    double largest, norm = 0.0;
-    int i, bad;
+    int bad;
     if (!lu) return YC_ERROR_ARGUMENT;
     if (lu->n && !a) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a is NULL");
     if (lda < lu->n) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: lda is %d, n is %d", lda, lu->n);
-    largest = lu->kernels->sizes(lu->n, lu->n, a, (size_t)lda, lu->work);
-    for (i = 0; i < lu->n && norm <= DBL_MAX; i++) norm = lu->work[i] <= norm ? norm : lu->work[i];
-    if (!(norm <= DBL_MAX) && yci_lu_not_finite(lu, a, lda) != YC_OK) return YC_ERROR_ARGUMENT;
-    lu->factored = lu->plain = 0, lu->norm = norm, lu->largest = largest;
-    for (i = 0; i < lu->rows; i++) { /* an overflow may have left its traces around A as well */
-        int used = i < lu->n ? lu->n : 0;
-        double *row = lu->f + (size_t)i * lu->ld;
-        if (used) memcpy(row, a + (size_t)i * (size_t)lda, (size_t)used * sizeof(double));
-        memset(row + used, 0, (size_t)(lu->rows - used) * sizeof(double));
-    }
+    if (!lu->kernels->finite((size_t)lu->n, (size_t)lu->n, a, (size_t)lda)) return yci_lu_not_finite(lu, a, lda);
+    lu->factored = lu->plain = 0;
+    lu->largest = lu->kernels->take(lu->n, a, (size_t)lda, lu->f, lu->ld, lu->work, &lu->norm);
     bad = yci_lu_all(lu);
     if (bad >= 0) return YCI_FAIL(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
     lu->factored = 1;
