@@ -2210,8 +2210,8 @@ YCI_TARGET static void YCI_(yci_update)(int m, int n, int k, const double *l, si
 #define V_PANEL (YCI_PANEL / V_W) /* vectors of a panel's rows */
 
 /* T -= A X for rows `first` to first + some - 1 of A, which lie at multiples of lda and have m numbers. */
-YCI_TARGET YCI_INLINE void YCI_(yci_dots_some)(int first, int some, int m, const double *a, size_t lda, ptrdiff_t ahead,
-    V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
+YCI_TARGET YCI_INLINE void YCI_(yci_dots_some)(
+    int first, int some, int m, const double *a, size_t lda, V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
     V s[YCI_RIGHT][YCI_PANEL];
     int i, j, r;
     YCI_UNROLL
@@ -2223,9 +2223,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_dots_some)(int first, int some, int m, const
         for (r = 0; r < count; r++) y[r] = V_LOAD(x + (size_t)r * ldx + i);
         YCI_UNROLL
         for (j = first; j < first + some; j++) {
-            const double *row = a + (size_t)j * lda + i;
-            V z = V_LOAD(row);
-            V_PREFETCH(row + ahead);
+            V z = V_LOAD(a + (size_t)j * lda + i);
             YCI_UNROLL
             for (r = 0; r < count; r++) s[r][j] = V_FMA(z, y[r], s[r][j]);
         }
@@ -2246,12 +2244,12 @@ YCI_TARGET YCI_INLINE void YCI_(yci_dots_some)(int first, int some, int m, const
 }
 
 YCI_TARGET YCI_INLINE void YCI_(yci_dots)(
-    int m, const double *a, size_t lda, ptrdiff_t ahead, V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
+    int m, const double *a, size_t lda, V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
     if (m <= 0) return;
-    if (count < V_ALL_ROWS) YCI_(yci_dots_some)(0, YCI_PANEL, m, a, lda, ahead, t, x, ldx, count);
+    if (count < V_ALL_ROWS) YCI_(yci_dots_some)(0, YCI_PANEL, m, a, lda, t, x, ldx, count);
     else {
-        YCI_(yci_dots_some)(0, YCI_PANEL / 2, m, a, lda, ahead, t, x, ldx, count);
-        YCI_(yci_dots_some)(YCI_PANEL / 2, YCI_PANEL / 2, m, a, lda, ahead, t, x, ldx, count);
+        YCI_(yci_dots_some)(0, YCI_PANEL / 2, m, a, lda, t, x, ldx, count);
+        YCI_(yci_dots_some)(YCI_PANEL / 2, YCI_PANEL / 2, m, a, lda, t, x, ldx, count);
     }
 }
 
@@ -2310,19 +2308,18 @@ YCI_TARGET YCI_INLINE void YCI_(yci_deliver)(int n, V (*t)[V_PANEL], double *x, 
 
 YCI_TARGET YCI_INLINE void YCI_(yci_solve_some)(
     int n, const double *f, size_t ld, const double *corner, const double *inverse, double *x, size_t ldx, int count) {
-    ptrdiff_t group = (ptrdiff_t)(YCI_PANEL * ld);
     V t[YCI_RIGHT][V_PANEL];
     int i;
     for (i = 0; i < n; i += YCI_PANEL) {
         YCI_(yci_fetch)(n - i, x + i, ldx, t, count);
-        YCI_(yci_dots)(i, f + (size_t)i * ld, ld, group, t, x, ldx, count);
+        YCI_(yci_dots)(i, f + (size_t)i * ld, ld, t, x, ldx, count);
         YCI_(yci_corner)(0, corner + YCI_PANEL * (size_t)i, YCI_PANEL, NULL, t, count);
         YCI_(yci_deliver)(n - i, t, x + i, ldx, count);
     }
     for (i -= YCI_PANEL; i >= 0; i -= YCI_PANEL) {
         int next = i + YCI_PANEL;
         YCI_(yci_fetch)(n - i, x + i, ldx, t, count);
-        YCI_(yci_dots)(n - next, f + (size_t)i * ld + next, ld, -group, t, x + next, ldx, count);
+        YCI_(yci_dots)(n - next, f + (size_t)i * ld + next, ld, t, x + next, ldx, count);
         YCI_(yci_corner)(1, corner + YCI_PANEL * (size_t)i, YCI_PANEL, inverse + i, t, count);
         YCI_(yci_deliver)(n - i, t, x + i, ldx, count);
     }
