@@ -985,17 +985,17 @@ YC_FN double yci_angle_difference(double a, double b) {
  *   LU        P A = L U, right-looking by blocks of columns on the kernels (Golub and Van Loan, Matrix Computations,
  *             3.4).
  *
- * LU keeps A by rows, as it comes, so that rows are exchanged and A's copy is made by whole vectors. A block of columns
- * is turned round into an array by columns, where pivots are searched, and halved down to panels of YCI_PANEL columns
- * (recursive as in F. G. Gustavson, IBM J. Res. Dev. 41, 1997). Then the columns outside are done in strips: exchanges,
- * rows of U, update. A strip's rows of U are copied side by side; L is read where the block was factored. Solves are
- * dot products along rows, eight at a time, which read the factor once and never write behind it.
+ * LU keeps A by rows, as it comes, and works on it where it lies. A block of columns is halved down to panels of
+ * YCI_PANEL columns (recursive as in F. G. Gustavson, IBM J. Res. Dev. 41, 1997). A panel is turned round into an array
+ * by columns, in which rows stay where they are until it is done. Then the columns outside are done in strips:
+ * exchanges, rows of U, update. A strip's rows of U are copied side by side; L is read where it lies. Solves are dot
+ * products along rows, eight at a time, which read the factor once and never write behind it.
  *
  * Measured on AVX-512, gcc -O2: copying a strip's rows of U and fetching its next tile ahead, whose rows lie in
- * different pages, is worth 1.6 at n = 1500; blocks of 16, 32 and 64 columns are best for n = 60, 200 and above, 128
- * gain nothing at 3000. Solves fetch the next eight rows into the first cache while they read these, which helps one
- * right-hand side at n = 700 by a tenth and is near the noise elsewhere. A row that is exchanged within a panel is
- * stored by whole vectors, since loads behind it would wait for the store of a part.
+ * different pages, is worth 1.6 at n = 1500. Blocks of 64 columns are best or near it for all n; copying a block's L
+ * side by side costs 4 to 7 % up to n = 700 and gains 2 at 3000, strips of 48 or 72 columns gain nothing. A pivot takes
+ * 90 cycles at n = 60, nearly all of them waiting for the search, and 140 with exchanges within the panel. Solves that
+ * fetch rows ahead are slower by 15 % at n = 1500 with one right-hand side, since processors foresee eight rows.
  *
  * Promises: each entry of a result is summed in one order, whatever the number of workers.
  * ===================================================================================================================== */
@@ -1224,11 +1224,11 @@ typedef struct yci_trapezoid {
     const int *row;
 } yci_trapezoid;
 
-/* A panel of LU, m rows by n <= YCI_PANEL columns at a, rows lda apart. It is turned round into w, columns ldw apart and
- * YCI_LU_BEHIND numbers behind them, and factored there. Step j exchanges rows j and pivot[j] of what lies from `first`
- * to `last` beside a, the panel itself included. Its corner goes to `corner` by columns, and one over the diagonal to
- * `inverse`. The panel has YCI_PANEL columns and YCI_PANEL rows or more, in whole vectors, zero where there is nothing.
- * The kernel returns n, or the column that has no pivot. */
+/* A panel of LU, m rows by n <= YCI_PANEL columns at a, rows lda apart. It is turned round into w, where columns lie ldw
+ * apart, with YCI_LU_BEHIND numbers behind them, and factored there. Step j exchanges rows j and pivot[j] of what lies
+ * from `first` to `last` beside a, the panel itself included. Its corner goes to `corner` by columns, and one over the
+ * diagonal to `inverse`. The panel has YCI_PANEL columns and YCI_PANEL rows or more, in whole vectors, zero where there
+ * is nothing. The kernel returns n, or the column that has no pivot. */
 typedef struct yci_panel {
     double *w;
     size_t ldw;
@@ -1253,7 +1253,8 @@ typedef struct yci_kernels {
      * is work for the backward solve, ldz >= height + YCI_OVERREAD. */
     void (*forward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
     void (*backward)(const yci_trapezoid *s, double *y, size_t ldy, int count, double *z, size_t ldz);
-    /* For LU. Whether A's entries, m x n at a[i * lda + j], are finite; A is the only operand that ends where it ends. */
+    /* For LU. Whether A's entries, m x n at a[i * lda + j], are finite. A is the only operand that ends where it
+     * ends. */
     int (*finite)(size_t m, size_t n, const double *a, size_t lda);
 
     /* Copies A, n x n, to F, with zeros around it up to whole panels. Leaves in `sums` those of |A|'s columns, the
@@ -1359,6 +1360,7 @@ static inline int yci_first_bit(unsigned long long bits) {
 #elif defined(__GNUC__) /* says so of its own intrinsics, whose unused operands are left undefined */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#pragma GCC diagnostic ignored "-Wuninitialized"
 #endif
 
 /* V: V_W doubles. A tile of V_TILE_V vectors by V_TILE_N columns stays in registers beside its operands; so does a
@@ -1998,16 +2000,19 @@ YCI_TARGET static void YCI_(yci_transpose)(int m, int n, const double *a, size_t
         }
 }
 
-/* The first row of a column whose size is `most`, which is in it. Looks at whole groups of rows. */
-YCI_TARGET YCI_INLINE int YCI_(yci_find)(const double *column, V most) {
-    int i, k;
-    for (i = 0;; i += 8 * V_W) {
+/* The first of a column's m rows whose size is `most`. Looks at whole groups of rows. */
+YCI_TARGET YCI_INLINE int YCI_(yci_find)(int m, const double *column, V most) {
+    int i, k, best = 0;
+    for (i = 0; i < m; i += 8 * V_W) {
         unsigned long long found = 0;
         YCI_UNROLL
         for (k = 0; k < 8; k++)
             found |= (unsigned long long)V_WHERE(V_ABS(V_LOAD(column + i + V_W * k)), most) << (V_W * k);
         if (found) return i + yci_first_bit(found);
     }
+    for (i = 1; i < m; i++) /* a processor whose registers hold more digits than memory */
+        if (fabs(column[i]) > fabs(column[best])) best = i;
+    return best;
 }
 
 /* The steps of a panel go in pairs: the columns behind both are updated by both at once. `odd` tells which of the two
@@ -2038,7 +2043,7 @@ YCI_TARGET YCI_INLINE int YCI_(yci_pivot)(
     V at = V_COUNT, best[4], scale, here;
     int i, q, row, odd = j % 2;
     if (!(size > 0.0 && size <= DBL_MAX)) return 0;
-    row = YCI_(yci_find)(column, *most);
+    row = YCI_(yci_find)(m, column, *most);
     YCI_UNROLL
     for (q = j; q < YCI_PANEL; q++) {
         u[q] = V_SET(a[(size_t)q * lda + (size_t)row]);
@@ -2185,8 +2190,9 @@ YCI_TARGET YCI_INLINE void YCI_(yci_rest)(
 
 /* The tile of the next rows is fetched meanwhile: they lie far apart, where no processor foresees them. */
 YCI_TARGET static void YCI_(yci_update)(int m, int n, int k, const double *l, size_t ldl, double *c, size_t ldc) {
-    double u[YCI_LU_STRIP * YCI_LU_BLOCK];
-    int i, j, p, far = ldc > 256;
+    V rows[YCI_LU_STRIP * YCI_LU_BLOCK / V_W]; /* in whole lines */
+    double *u = (double *)rows;
+    int i, j, p, far = ldc > 256; /* a smaller C is near already */
     for (j = 0; j < k; j += YCI_PANEL, l += YCI_PANEL * ldl, c += YCI_PANEL * ldc)
         for (i = 0; i < m; i += V_STRIP_V * V_W) {
 #if V_STRIP_V == 3
@@ -2729,10 +2735,11 @@ static int yci_lu_all(yc_lu *lu) {
 }
 
 static yc_result yci_lu_not_finite(yc_lu *lu, const double *a, int lda) {
-    int k = 0;
-    while (fabs(a[(size_t)(k / lu->n) * (size_t)lda + (size_t)(k % lu->n)]) <= DBL_MAX) k++;
-    return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", k / lu->n, k % lu->n,
-        a[(size_t)(k / lu->n) * (size_t)lda + (size_t)(k % lu->n)]);
+    int i = 0, j = 0;
+    while (fabs(a[(size_t)i * (size_t)lda + (size_t)j]) <= DBL_MAX)
+        if (++j == lu->n) i++, j = 0;
+    return YCI_FAIL(
+        &lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", i, j, a[(size_t)i * (size_t)lda + (size_t)j]);
 }
 
 YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
