@@ -1224,11 +1224,11 @@ typedef struct yci_trapezoid {
     const int *row;
 } yci_trapezoid;
 
-/* A panel of LU, m rows by n <= YCI_PANEL columns at a, rows lda apart. It is turned round into w, where columns lie ldw
- * apart, with YCI_LU_BEHIND numbers behind them, and factored there. Step j exchanges rows j and pivot[j] of what lies
- * from `first` to `last` beside a, the panel itself included. Its corner goes to `corner` by columns, and one over the
- * diagonal to `inverse`. The panel has YCI_PANEL columns and YCI_PANEL rows or more, in whole vectors, zero where there
- * is nothing. The kernel returns n, or the column that has no pivot. */
+/* A panel of LU, m rows by n <= YCI_PANEL columns at a, rows lda apart. It is turned round into w, where columns are
+ * ldw apart and have YCI_LU_BEHIND numbers behind them, and factored there. Step j exchanges rows j and pivot[j] of
+ * what lies from `first` to `last` beside a, the panel itself included. Its corner goes to `corner` by columns, and one
+ * over the diagonal to `inverse`. The panel has YCI_PANEL columns and YCI_PANEL rows or more, in whole vectors, zero
+ * where there is nothing. The kernel returns n, or the column that has no pivot. */
 typedef struct yci_panel {
     double *w;
     size_t ldw;
