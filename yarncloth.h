@@ -985,17 +985,17 @@ YC_FN double yci_angle_difference(double a, double b) {
  *   LU        P A = L U, right-looking by blocks of columns on the kernels (Golub and Van Loan, Matrix Computations,
  *             3.4).
  *
- * LU keeps A by rows, as it comes, so that rows are exchanged and A's copy is made by whole vectors. A block of columns
- * is turned round into an array by columns, where pivots are searched, and halved down to panels of YCI_PANEL columns
- * (recursive as in F. G. Gustavson, IBM J. Res. Dev. 41, 1997). Then the columns outside are done in strips: exchanges,
- * rows of U, update. A strip's rows of U are copied side by side; L is read where the block was factored. Solves are
- * dot products along rows, eight at a time, which read the factor once and never write behind it.
+ * LU keeps A by rows, as it comes, and works on it where it lies. A block of columns is halved down to panels of
+ * YCI_PANEL columns (recursive as in F. G. Gustavson, IBM J. Res. Dev. 41, 1997). A panel is turned round into an array
+ * by columns, in which rows stay where they are until it is done. Then the columns outside are done in strips:
+ * exchanges, rows of U, update. A strip's rows of U are copied side by side; L is read where it lies. Solves are dot
+ * products along rows, eight at a time, which read the factor once and never write behind it.
  *
  * Measured on AVX-512, gcc -O2: copying a strip's rows of U and fetching its next tile ahead, whose rows lie in
- * different pages, is worth 1.6 at n = 1500; blocks of 16, 32 and 64 columns are best for n = 60, 200 and above, 128
- * gain nothing at 3000. Solves fetch the next eight rows into the first cache while they read these, which helps one
- * right-hand side at n = 700 by a tenth and is near the noise elsewhere. A row that is exchanged within a panel is
- * stored by whole vectors, since loads behind it would wait for the store of a part.
+ * different pages, is worth 1.6 at n = 1500. Blocks of 64 columns are best or near it for all n; copying a block's L
+ * side by side costs 4 to 7 % up to n = 700 and gains 2 at 3000, strips of 48 or 72 columns gain nothing. A pivot takes
+ * 90 cycles at n = 60, nearly all of them waiting for the search, and 140 with exchanges within the panel. Solves that
+ * fetch rows ahead are slower by 15 % at n = 1500 with one right-hand side, since processors foresee eight rows.
  *
  * Promises: each entry of a result is summed in one order, whatever the number of workers.
  * ===================================================================================================================== */
@@ -1003,6 +1003,7 @@ YC_FN double yci_angle_difference(double a, double b) {
 #define YCI_BLOCK_MAX 8                          /* rows of the largest node block */
 #define YCI_LU_BLOCK 64                          /* columns of LU's largest block */
 #define YCI_LU_STRIP 24                          /* columns right of a block that are updated together */
+#define YCI_LU_BEHIND 64                         /* numbers behind a block that its search may read */
 #define YCI_LU_LEFT 480                          /* columns left of a block whose rows are exchanged together */
 #define YCI_PIVOT_TOLERANCE (64.0 * DBL_EPSILON) /* a pivot this small against what it came from is rounding error */
 
@@ -1259,6 +1260,17 @@ static size_t yci_packed(int width, int height) {
     return count;
 }
 
+/* A panel of LU, m rows by n <= YCI_PANEL columns at a, rows lda apart. It is turned round into w, where columns are
+ * ldw apart and have YCI_LU_BEHIND numbers behind them, and factored there. Step j exchanges rows j and pivot[j] of
+ * what lies from `first` to `last` beside a, the panel itself included. Its corner goes to `corner` by columns, and one
+ * over the diagonal to `inverse`. The panel has YCI_PANEL columns and YCI_PANEL rows or more, in whole vectors, zero
+ * where there is nothing. The kernel returns n, or the column that has no pivot. */
+typedef struct yci_panel {
+    double *w;
+    size_t ldw;
+    int first, last;
+} yci_panel;
+
 typedef struct yci_kernels {
     const char *name;
 
@@ -1287,24 +1299,27 @@ typedef struct yci_kernels {
     int (*tiles_factor)(const yci_tiles *t);
     void (*tiles_solve)(const yci_tiles *t, double *y, size_t ldy, int count);
 
-    /* For LU. Sums of |A|'s columns are added to `sums`, in whole vectors; returns the largest |a[i * lda + j]|. A is
-     * the only operand that ends where it ends. */
-    double (*sizes)(int m, int n, const double *a, size_t lda, double *sums);
+    /* For LU. Whether A's entries, m x n at a[i * lda + j], are finite. A is the only operand that ends where it
+     * ends. */
+    int (*finite)(size_t m, size_t n, const double *a, size_t lda);
+
+    /* Copies A, n x n, to F, with zeros around it up to whole panels. Leaves in `sums` those of |A|'s columns, the
+     * largest of them in *norm, and returns the largest |a[i * lda + j]|. */
+    double (*take)(int n, const double *a, size_t lda, double *f, size_t ldf, double *sums, double *norm);
 
     /* B = A', m and n being multiples of YCI_PANEL. */
     void (*transpose)(int m, int n, const double *a, size_t lda, double *b, size_t ldb);
 
-    /* Factors the m x n panel A, n <= YCI_PANEL, with partial pivoting: L below the diagonal, U in its first rows. Step
-     * j exchanges rows j and pivot[j]. A has YCI_PANEL columns and whole vectors of rows, zero where there is nothing.
-     * Returns n, or the column that has no pivot. */
-    int (*pivots)(int m, int n, double *a, size_t lda, int *pivot);
+    /* Factors n <= YCI_PANEL columns with partial pivoting; see yci_panel. */
+    int (*panel)(const yci_panel *p, int m, int n, double *a, size_t lda, int *pivot, double *corner, double *inverse);
 
     /* Exchanges the rows k and pivot[k], each n numbers at a + row * lda, for k = 0 to count - 1. */
     void (*exchange)(int count, const int *pivot, int n, double *a, size_t lda);
 
-    /* C -= A B' for m <= YCI_LU_STRIP, in whole vectors, and many rows n of B, multiples of YCI_PANEL. */
-    void (*update)(
-        int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc);
+    /* The columns at c, m <= YCI_LU_STRIP of them in whole vectors, right of a block of k <= YCI_LU_BLOCK columns at l,
+     * which has been factored: its first k rows become rows of U, its other n - k are updated. k and n are multiples of
+     * YCI_PANEL. */
+    void (*update)(int m, int n, int k, const double *l, size_t ldl, double *c, size_t ldc);
 
     /* X := inverse(L U) X, or of its transpose, for count <= YCI_RIGHT. The factor lies by rows at f, its corners of
      * YCI_PANEL rows also by columns at `corner`; inverse: one over U's diagonal. */
@@ -1356,6 +1371,17 @@ static void yci_product_lapack(
 #define YCI_INLINE static inline
 #endif
 
+/* The number of the lowest bit that is set, of one at least. */
+static inline int yci_first_bit(unsigned long long bits) {
+#ifdef YCI_GNU
+    return __builtin_ctzll(bits);
+#else
+    int i = 0;
+    while (!(bits >> i & 1)) i++;
+    return i;
+#endif
+}
+
 #if defined(YCI_GNU) && defined(__x86_64__)
 #define YCI_X86
 #include <immintrin.h>
@@ -1380,6 +1406,7 @@ static void yci_product_lapack(
 #elif defined(__GNUC__) /* says so of its own intrinsics, whose unused operands are left undefined */
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#pragma GCC diagnostic ignored "-Wuninitialized"
 #endif
 
 /* V: V_W doubles. A tile of V_TILE_V vectors by V_TILE_N columns stays in registers beside its operands; so does a
@@ -1409,15 +1436,16 @@ static void yci_product_lapack(
 #define V_ABS(a) _mm512_abs_pd(a)
 #define V_MAX(a, b) _mm512_max_pd(a, b)
 #define V_PICK(a, b, x, y) _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_GT_OQ), y, x)
+#define V_SAME(a, b, x, y) _mm512_mask_blend_pd(_mm512_cmp_pd_mask(a, b, _CMP_EQ_OQ), y, x)
+#define V_WHERE(a, b) _mm512_cmp_pd_mask(a, b, _CMP_EQ_OQ)
+#define V_MOST(a) yci_most_lane_avx512(a)
+#define V_FIRST(a) _mm512_cvtsd_f64(a)
+#define V_SIGNED(a, b) _mm512_or_pd(a, _mm512_and_pd(b, _mm512_set1_pd(-0.0)))
 #define V_LANE(a, i) _mm512_permutexvar_pd(_mm512_set1_epi64(i), a)
-#define V_PUT(p, i, x) yci_put_avx512(p, i, x)
-/* A whole vector is stored, which loads behind it take from the store; a masked store, which a compiler would make of
- * this, has to reach the cache first. */
-YCI_TARGET static inline void yci_put_avx512(double *p, int i, V x) {
-    double *at = p + (i & ~7);
-    x = _mm512_mask_mov_pd(_mm512_loadu_pd(at), (__mmask8)(1u << (i & 7)), x);
-    __asm__("" : "+v"(x));
-    _mm512_storeu_pd(at, x);
+YCI_TARGET static inline V yci_most_lane_avx512(V x) {
+    x = _mm512_max_pd(x, _mm512_shuffle_f64x2(x, x, 0x4e));
+    x = _mm512_max_pd(x, _mm512_shuffle_f64x2(x, x, 0xb1));
+    return _mm512_max_pd(x, _mm512_permute_pd(x, 0x55));
 }
 #define V_EXPAND(p, bits) _mm512_maskz_expand_pd((__mmask8)(bits), _mm512_loadu_pd(p))
 #define V_FNMA1(a, b, c) __builtin_fma(-(a), b, c)
@@ -1447,7 +1475,15 @@ YCI_TARGET static inline void yci_put_avx512(double *p, int i, V x) {
 #define V_MAX(a, b) _mm256_max_pd(a, b)
 #define V_PICK(a, b, x, y) _mm256_blendv_pd(y, x, _mm256_cmp_pd(a, b, _CMP_GT_OQ))
 #define V_LANE(a, i) _mm256_set1_pd((a)[i])
-#define V_PUT(p, i, x) _mm_store_sd((p) + (i), _mm256_castpd256_pd128(x))
+#define V_SAME(a, b, x, y) _mm256_blendv_pd(y, x, _mm256_cmp_pd(a, b, _CMP_EQ_OQ))
+#define V_WHERE(a, b) (unsigned)_mm256_movemask_pd(_mm256_cmp_pd(a, b, _CMP_EQ_OQ))
+#define V_MOST(a) yci_most_lane_avx2(a)
+#define V_FIRST(a) _mm256_cvtsd_f64(a)
+#define V_SIGNED(a, b) _mm256_or_pd(a, _mm256_and_pd(b, _mm256_set1_pd(-0.0)))
+YCI_TARGET static inline V yci_most_lane_avx2(V x) {
+    x = _mm256_max_pd(x, _mm256_permute2f128_pd(x, x, 1));
+    return _mm256_max_pd(x, _mm256_permute_pd(x, 5));
+}
 YCI_TARGET static inline __m256i yci_first_lanes_avx2(int n) {
     return _mm256_cmpgt_epi64(_mm256_set1_epi64x(n), _mm256_setr_epi64x(0, 1, 2, 3));
 }
@@ -1497,12 +1533,20 @@ static inline yci_two yci_two_pick(yci_two a, yci_two b, yci_two x, yci_two y) {
     yci_two_masks where = (yci_two_masks)(a > b);
     return (yci_two)(((yci_two_masks)x & where) | ((yci_two_masks)y & ~where));
 }
+static inline yci_two yci_two_same(yci_two a, yci_two b, yci_two x, yci_two y) {
+    yci_two_masks where = (yci_two_masks)(a == b);
+    return (yci_two)(((yci_two_masks)x & where) | ((yci_two_masks)y & ~where));
+}
 #define V_COUNT yci_two_count()
 #define V_LOAD_PART(p, n) yci_two_load_part(p, n)
 #define V_PICK(a, b, x, y) yci_two_pick(a, b, x, y)
 #define V_ABS(a) V_PICK(a, -(a), a, -(a))
 #define V_LANE(a, i) yci_two_set((a)[i])
-#define V_PUT(p, i, x) ((p)[i] = (x)[0])
+#define V_SAME(a, b, x, y) yci_two_same(a, b, x, y)
+#define V_WHERE(a, b) ((unsigned)((a)[0] == (b)[0]) | (unsigned)((a)[1] == (b)[1]) << 1)
+#define V_MOST(a) yci_two_set(yci_max((a)[0], (a)[1]))
+#define V_FIRST(a) ((a)[0])
+#define V_SIGNED(a, b) V_PICK(yci_two_set(0.0), b, -(a), a)
 #else
 #define V double
 #define V_W 1
@@ -1515,7 +1559,11 @@ static inline yci_two yci_two_pick(yci_two a, yci_two b, yci_two x, yci_two y) {
 #define V_PICK(a, b, x, y) ((a) > (b) ? (x) : (y))
 #define V_ABS(a) fabs(a)
 #define V_LANE(a, i) ((void)(i), (a))
-#define V_PUT(p, i, x) ((p)[i] = (x))
+#define V_SAME(a, b, x, y) ((a) == (b) ? (x) : (y))
+#define V_WHERE(a, b) ((unsigned)((a) == (b)))
+#define V_MOST(a) (a)
+#define V_FIRST(a) (a)
+#define V_SIGNED(a, b) copysign(a, b)
 #endif
 #endif
 
@@ -2153,25 +2201,77 @@ YCI_TARGET static void YCI_(yci_tiles_solve)(const yci_tiles *t, double *y, size
 
 /* ---- LU ---- */
 
-YCI_TARGET static double YCI_(yci_sizes)(int m, int n, const double *a, size_t lda, double *sums) {
-    V most = V_SET(0.0);
-    double lane[V_W], largest = 0.0;
-    int i, j, k;
-    for (i = 0; i < m; i += 4, a += 4 * lda)
-        for (j = 0; j < n; j += V_W) {
-            V sum = V_LOAD(sums + j);
-            YCI_UNROLL
-            for (k = 0; k < 4; k++)
-                if (i + k < m) {
-                    const double *at = a + (size_t)k * lda + j;
-                    V x = V_ABS(n - j < V_W ? V_LOAD_PART(at, n - j) : V_LOAD(at));
-                    sum = V_ADD(sum, x), most = V_MAX(x, most);
-                }
-            V_STORE(sums + j, sum);
-        }
-    V_STORE(lane, most);
-    for (i = 0; i < V_W; i++) largest = yci_max(largest, lane[i]);
-    return largest;
+/* The largest of `count` vectors in all lanes; NaN does not count. */
+YCI_TARGET YCI_INLINE V YCI_(yci_most)(int count, V *x) {
+    int i;
+    YCI_UNROLL
+    for (i = count / 2; i > 0; i /= 2) {
+        int k;
+        YCI_UNROLL
+        for (k = 0; k < i; k++) x[k] = V_MAX(x[k], x[k + i]);
+    }
+    return V_MOST(x[0]);
+}
+
+/* Zero times A is zero, but for infinity and NaN. */
+YCI_TARGET static int YCI_(yci_finite)(size_t m, size_t n, const double *a, size_t lda) {
+    V sum[8], zero = V_SET(0.0);
+    double lane[V_W];
+    size_t i, j;
+    int k, finite = 1;
+    if (lda == n) n *= m, m = 1; /* one long row has one end */
+    YCI_UNROLL
+    for (k = 0; k < 8; k++) sum[k] = zero;
+    for (i = 0; i < m; i++, a += lda) {
+        for (j = 0; n - j >= 8 * V_W; j += 8 * V_W) YCI_UNROLL
+        for (k = 0; k < 8; k++) sum[k] = V_FMA(V_LOAD(a + j + V_W * k), zero, sum[k]);
+        for (; n - j >= V_W; j += V_W) sum[0] = V_FMA(V_LOAD(a + j), zero, sum[0]);
+        if (j < n) sum[1] = V_FMA(V_LOAD_PART(a + j, (int)(n - j)), zero, sum[1]);
+    }
+    YCI_UNROLL
+    for (k = 1; k < 8; k++) sum[0] = V_ADD(sum[0], sum[k]);
+    V_STORE(lane, sum[0]);
+    for (k = 0; k < V_W; k++) finite = finite && lane[k] == 0.0;
+    return finite;
+}
+
+/* The first n <= V_W numbers of some rows. */
+YCI_TARGET YCI_INLINE void YCI_(yci_take_some)(
+    int rows, int n, const double *a, size_t lda, double *f, size_t ldf, double *sums, V *most) {
+    V sum = V_LOAD(sums);
+    int k;
+    YCI_UNROLL
+    for (k = 0; k < rows; k++) {
+        V x = n == V_W ? V_LOAD(a + (size_t)k * lda) : V_LOAD_PART(a + (size_t)k * lda, n);
+        V_STORE(f + (size_t)k * ldf, x);
+        x = V_ABS(x), most[k] = V_MAX(x, most[k]), sum = V_ADD(sum, x);
+    }
+    V_STORE(sums, sum);
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_take_rows)(
+    int rows, int n, const double *a, size_t lda, double *f, size_t ldf, double *sums, V *most) {
+    int j, k;
+    for (j = 0; j + V_W <= n; j += V_W) YCI_(yci_take_some)(rows, V_W, a + j, lda, f + j, ldf, sums + j, most);
+    if (j < n) YCI_(yci_take_some)(rows, n - j, a + j, lda, f + j, ldf, sums + j, most), j += V_W;
+    for (; j % YCI_PANEL; j += V_W)
+        for (k = 0; k < rows; k++) V_STORE(f + (size_t)k * ldf + j, V_SET(0.0));
+}
+
+YCI_TARGET static double YCI_(yci_take)(
+    int n, const double *a, size_t lda, double *f, size_t ldf, double *sums, double *norm) {
+    V most[4], widest[4], zero = V_SET(0.0);
+    int i, k;
+    YCI_UNROLL
+    for (k = 0; k < 4; k++) most[k] = widest[k] = zero;
+    for (i = 0; i < n; i += V_W) V_STORE(sums + i, zero);
+    for (i = 0; i + 4 <= n; i += 4, a += 4 * lda, f += 4 * ldf) YCI_(yci_take_rows)(4, n, a, lda, f, ldf, sums, most);
+    for (; i < n; i++, a += lda, f += ldf) YCI_(yci_take_rows)(1, n, a, lda, f, ldf, sums, most);
+    for (; i % YCI_PANEL; i++, f += ldf)
+        for (k = 0; k < n; k += V_W) V_STORE(f + k, zero);
+    for (i = 0; i < n; i += V_W) widest[0] = V_MAX(V_LOAD(sums + i), widest[0]);
+    *norm = V_FIRST(YCI_(yci_most)(4, widest));
+    return V_FIRST(YCI_(yci_most)(4, most));
 }
 
 YCI_TARGET static void YCI_(yci_transpose)(int m, int n, const double *a, size_t lda, double *b, size_t ldb) {
@@ -2208,96 +2308,87 @@ YCI_TARGET static void YCI_(yci_transpose)(int m, int n, const double *a, size_t
         }
 }
 
-/* The search for a pivot: the largest so far of each lane, and its row. */
-typedef struct {
-    V most, row;
-} YCI_(yci_search);
-
-YCI_TARGET YCI_INLINE void YCI_(yci_look)(YCI_(yci_search) * s, V x, V at) {
-    s->row = V_PICK(x, s->most, at, s->row);
-    s->most = V_PICK(x, s->most, x, s->most);
+/* The first of a column's m rows whose size is `most`. Looks at whole groups of rows. */
+YCI_TARGET YCI_INLINE int YCI_(yci_find)(int m, const double *column, V most) {
+    int i, k, best = 0;
+    for (i = 0; i < m; i += 8 * V_W) {
+        unsigned long long found = 0;
+        YCI_UNROLL
+        for (k = 0; k < 8; k++)
+            found |= (unsigned long long)V_WHERE(V_ABS(V_LOAD(column + i + V_W * k)), most) << (V_W * k);
+        if (found) return i + yci_first_bit(found);
+    }
+    for (i = 1; i < m; i++) /* a processor whose registers hold more digits than memory */
+        if (fabs(column[i]) > fabs(column[best])) best = i;
+    return best;
 }
 
-YCI_TARGET YCI_INLINE double YCI_(yci_found)(const YCI_(yci_search) * s, int *row) {
-#if YCI_ISA == 512
-    double most = _mm512_reduce_max_pd(s->most);
-    __mmask8 where = _mm512_cmp_pd_mask(s->most, _mm512_set1_pd(most), _CMP_EQ_OQ);
-    *row = (int)_mm512_cvtsd_f64(_mm512_maskz_compress_pd(where, s->row));
-    return most;
-#else
-    double most[V_W], at[V_W];
-    int i, best = 0;
-    V_STORE(most, s->most);
-    V_STORE(at, s->row);
-    for (i = 1; i < V_W; i++)
-        if (most[i] > most[best]) best = i;
-    *row = (int)at[best];
-    return most[best];
-#endif
-}
+/* The steps of a panel go in pairs: the columns behind both are updated by both at once. `odd` tells which of the two
+ * a step is; u holds its row of U, t that of the step before. */
 
-/* Rows at, at + 1, ... of step j: the column is scaled, the columns behind it are updated and the first of them is
- * searched. In the first YCI_PANEL rows those up to j stay as they are. */
+/* `vectors` vectors of rows in step j: column j becomes L, the next one is updated and searched. */
 YCI_TARGET YCI_INLINE void YCI_(yci_eliminate)(
-    int j, int top, double *a, size_t lda, V inverse, const V *u, V at, YCI_(yci_search) * search) {
-    V x = V_LOAD(a + (size_t)j * lda), l = V_MUL(x, inverse), zero = V_SET(0.0), last = V_SET((double)j);
-    int q;
-    V_STORE(a + (size_t)j * lda, top ? V_PICK(at, last, l, x) : l);
-    if (top) l = V_PICK(at, last, l, zero);
-    YCI_UNROLL
-    for (q = j + 1; q < YCI_PANEL; q++) {
-        x = V_FNMA(l, u[q], V_LOAD(a + (size_t)q * lda));
-        V_STORE(a + (size_t)q * lda, x);
-        if (q == j + 1) YCI_(yci_look)(search, top ? V_PICK(at, last, V_ABS(x), zero) : V_ABS(x), at);
-    }
-}
-
-/* Step j of a panel; 0 when there is no pivot. `search` has looked at column j and then looks at the next. */
-YCI_TARGET YCI_INLINE int YCI_(yci_pivot)(int j, int m, double *a, size_t lda, int *pivot, YCI_(yci_search) * search) {
-    double most, inverse, *column = a + (size_t)j * lda;
-    V u[YCI_PANEL], at = V_COUNT, step = V_SET((double)V_W), scale;
-    int i, q, row;
-    most = YCI_(yci_found)(search, &row);
-    if (!(most > 0.0 && most <= DBL_MAX)) return 0;
-    pivot[j] = row;
-    inverse = copysign(1.0 / most, column[row]); /* the division need not wait for the row */
-    YCI_UNROLL
-    for (q = 0; q < YCI_PANEL; q++) {
-        double *to = a + (size_t)q * lda;
-        V upper = V_SET(to[j]);
-        u[q] = V_SET(to[row]);
-        V_PUT(to, row, upper);
-        V_PUT(to, j, u[q]);
-    }
-    if (!(inverse <= DBL_MAX && inverse >= -DBL_MAX)) { /* the pivot is subnormal */
-        double value = column[j];
-        for (i = j + 1; i < m; i++) column[i] /= value;
-        inverse = 1.0;
-    }
-    scale = V_SET(inverse), search->most = V_SET(0.0), search->row = V_SET(0.0);
-    for (i = 0; i < YCI_PANEL; i += V_W, at = V_ADD(at, step))
-        YCI_(yci_eliminate)(j, 1, a + i, lda, scale, u, at, search);
-    for (; i < m; i += V_W, at = V_ADD(at, step)) YCI_(yci_eliminate)(j, 0, a + i, lda, scale, u, at, search);
-    return 1;
-}
-
-YCI_TARGET static int YCI_(yci_pivots)(int m, int n, double *a, size_t lda, int *pivot) {
-    YCI_(yci_search) search = {V_SET(0.0), V_SET(0.0)};
-    V at = V_COUNT;
+    int odd, int vectors, double *l, size_t lda, V scale, V t, V u, V *at, V here, V *most) {
+    double *next = l + lda;
     int i;
-    for (i = 0; i < m; i += V_W, at = V_ADD(at, V_SET((double)V_W))) YCI_(yci_look)(&search, V_ABS(V_LOAD(a + i)), at);
-#define YCI_STEP(j) \
-    if (n > (j) && !YCI_(yci_pivot)(j, m, a, lda, pivot, &search)) return (j)
-    YCI_STEP(0);
-    YCI_STEP(1);
-    YCI_STEP(2);
-    YCI_STEP(3);
-    YCI_STEP(4);
-    YCI_STEP(5);
-    YCI_STEP(6);
-    YCI_STEP(7);
-#undef YCI_STEP
-    return n;
+    YCI_UNROLL
+    for (i = 0; i < vectors; i++, l += V_W, next += V_W, *at = V_ADD(*at, V_SET((double)V_W))) {
+        V x = V_SAME(*at, here, V_SET(1.0), V_MUL(V_LOAD(l), scale)), y = V_LOAD(next);
+        V_STORE(l, x);
+        if (odd) y = V_FNMA(V_LOAD(l - lda), t, y);
+        y = V_FNMA(x, u, y);
+        V_STORE(next, y);
+        most[i] = V_MAX(V_ABS(y), most[i]);
+    }
+}
+
+/* Step j of a panel; 0 when there is no pivot. Rows stay where they are: that of the pivot, of which `upper` keeps a
+ * copy, becomes zero in the columns to come by an L of one, exactly. `most` is the largest of column j, and then that
+ * of the next. */
+YCI_TARGET YCI_INLINE int YCI_(yci_pivot)(
+    int j, int m, double *a, size_t lda, int *pivot, double *reciprocal, double *upper, V *t, V *u, V *most) {
+    double size = V_FIRST(*most), inverse = 1.0 / size, *column = a + (size_t)j * lda;
+    V at = V_COUNT, best[4], scale, here;
+    int i, q, row, odd = j % 2;
+    if (!(size > 0.0 && size <= DBL_MAX)) return 0;
+    row = YCI_(yci_find)(m, column, *most);
+    YCI_UNROLL
+    for (q = j; q < YCI_PANEL; q++) {
+        u[q] = V_SET(a[(size_t)q * lda + (size_t)row]);
+        if (odd && q > j) u[q] = V_FNMA(V_SET(column[row - (ptrdiff_t)lda]), t[q], u[q]);
+        upper[q] = V_FIRST(u[q]);
+    }
+    scale = V_SIGNED(V_SET(inverse), u[j]);
+    reciprocal[j] = V_FIRST(scale);
+    if (!(inverse <= DBL_MAX)) { /* the pivot is subnormal */
+        for (i = 0; i < m; i++) column[i] /= upper[j];
+        scale = V_SET(1.0);
+    }
+    here = V_SET((double)row);
+    YCI_UNROLL
+    for (i = 0; i < 4; i++) best[i] = V_SET(0.0);
+    if (j + 1 == YCI_PANEL) {
+        for (i = 0; i < m; i += V_W) V_STORE(column + i, V_MUL(V_LOAD(column + i), scale));
+    } else {
+        for (i = 0; i + 4 * V_W <= m; i += 4 * V_W)
+            YCI_(yci_eliminate)(odd, 4, column + i, lda, scale, t[j + 1], u[j + 1], &at, here, best);
+        for (; i < m; i += V_W)
+            YCI_(yci_eliminate)(odd, 1, column + i, lda, scale, t[j + 1], u[j + 1], &at, here, best);
+        *most = YCI_(yci_most)(4, best);
+    }
+    if (odd && j + 2 < YCI_PANEL)
+        for (i = 0; i < m; i += V_W) {
+            V k = V_LOAD(column - lda + i), l = V_LOAD(column + i);
+            YCI_UNROLL
+            for (q = j + 2; q < YCI_PANEL; q++) {
+                double *to = a + (size_t)q * lda + i;
+                V_STORE(to, V_FNMA(l, u[q], V_FNMA(k, t[q], V_LOAD(to))));
+            }
+        }
+    for (q = 0; q < j; q++)
+        if (row == q) row = pivot[q];
+    pivot[j] = row;
+    return 1;
 }
 
 YCI_TARGET static void YCI_(yci_exchange)(int count, const int *pivot, int n, double *a, size_t lda) {
@@ -2315,18 +2406,117 @@ YCI_TARGET static void YCI_(yci_exchange)(int count, const int *pivot, int n, do
     }
 }
 
+YCI_TARGET static int YCI_(yci_panel)(
+    const yci_panel *p, int m, int n, double *a, size_t lda, int *pivot, double *corner, double *inverse) {
+    double upper[YCI_PANEL][YCI_PANEL], *w = p->w;
+    V best[4], most, even[YCI_PANEL], odd[YCI_PANEL];
+    int i, k;
+    YCI_(yci_transpose)(m, YCI_PANEL, a, lda, w, p->ldw);
+    YCI_UNROLL
+    for (i = 0; i < 4; i++) best[i] = V_SET(0.0);
+    for (i = 0; i < m; i += V_W) best[0] = V_MAX(V_ABS(V_LOAD(w + i)), best[0]);
+    most = YCI_(yci_most)(4, best);
+#define YCI_STEP(j, t, u) \
+    if (n > (j) && !YCI_(yci_pivot)(j, m, w, p->ldw, pivot, inverse, upper[j], t, u, &most)) return (j)
+    YCI_STEP(0, odd, even);
+    YCI_STEP(1, even, odd);
+    YCI_STEP(2, odd, even);
+    YCI_STEP(3, even, odd);
+    YCI_STEP(4, odd, even);
+    YCI_STEP(5, even, odd);
+    YCI_STEP(6, odd, even);
+    YCI_STEP(7, even, odd);
+#undef YCI_STEP
+    YCI_(yci_transpose)(YCI_PANEL, m, w, p->ldw, a, lda);
+    YCI_(yci_exchange)(n, pivot, p->last - p->first, a + p->first, lda);
+    for (k = 0; k < n; k++)
+        for (i = 0; i < YCI_PANEL; i += V_W) {
+            double *to = a + (size_t)k * lda + i;
+            V at = V_ADD(V_COUNT, V_SET((double)i));
+            V_STORE(to, V_PICK(V_SET((double)k), at, V_LOAD(to), V_LOAD(upper[k] + i)));
+        }
+    YCI_(yci_transpose)(YCI_PANEL, YCI_PANEL, a, lda, corner, YCI_PANEL);
+    return n;
+}
+
+/* s -= L U for some rows of L, ldl apart. Row j of s begins at s[j * stride]. */
+YCI_TARGET YCI_INLINE void YCI_(yci_lower)(
+    int vectors, int rows, int k, const double *u, const double *l, size_t ldl, V *s, int stride) {
+    int i, j;
+    for (; k > 0; k--, u += YCI_LU_STRIP, l++) {
+        V x[V_TILE_V];
+        YCI_UNROLL
+        for (i = 0; i < vectors; i++) x[i] = V_LOAD(u + V_W * i);
+        YCI_UNROLL
+        for (j = 0; j < rows; j++) {
+            V y = V_SET(l[(size_t)j * ldl]);
+            YCI_UNROLL
+            for (i = 0; i < vectors; i++) s[j * stride + i] = V_FNMA(x[i], y, s[j * stride + i]);
+        }
+    }
+}
+
+/* YCI_PANEL rows of U, at c and at u + YCI_LU_STRIP * k, from the k before them. */
+YCI_TARGET YCI_INLINE void YCI_(yci_upper)(
+    int vectors, int k, const double *l, size_t ldl, double *u, double *c, size_t ldc) {
+    V s[YCI_PANEL][V_STRIP_V];
+    int i, j, q;
+    YCI_UNROLL
+    for (j = 0; j < YCI_PANEL; j++) YCI_UNROLL
+    for (i = 0; i < vectors; i++) s[j][i] = V_LOAD(c + (size_t)j * ldc + V_W * i);
+    YCI_(yci_lower)(vectors, YCI_PANEL, k, u, l, ldl, s[0], V_STRIP_V);
+    l += k, u += YCI_LU_STRIP * k;
+    YCI_UNROLL
+    for (j = 0; j < YCI_PANEL; j++) {
+        YCI_UNROLL
+        for (i = 0; i < vectors; i++) {
+            V_STORE(c + (size_t)j * ldc + V_W * i, s[j][i]);
+            V_STORE(u + YCI_LU_STRIP * j + V_W * i, s[j][i]);
+        }
+        YCI_UNROLL
+        for (q = j + 1; q < YCI_PANEL; q++) YCI_UNROLL
+        for (i = 0; i < vectors; i++) s[q][i] = V_FNMA(s[j][i], V_SET(l[(size_t)q * ldl + (size_t)j]), s[q][i]);
+    }
+}
+
+/* V_TILE_N rows of C, less L U. */
+YCI_TARGET YCI_INLINE void YCI_(yci_rest)(
+    int vectors, int k, const double *l, size_t ldl, const double *u, double *c, size_t ldc) {
+    V s[V_TILE_N][V_TILE_V];
+    int i, j;
+    YCI_UNROLL
+    for (j = 0; j < V_TILE_N; j++) YCI_UNROLL
+    for (i = 0; i < vectors; i++) s[j][i] = V_SET(0.0);
+    YCI_(yci_lower)(vectors, V_TILE_N, k, u, l, ldl, s[0], V_TILE_V);
+    YCI_UNROLL
+    for (j = 0; j < V_TILE_N; j++) YCI_UNROLL
+    for (i = 0; i < vectors; i++) {
+        double *to = c + (size_t)j * ldc + V_W * i;
+        V_STORE(to, V_ADD(V_LOAD(to), s[j][i]));
+    }
+}
+
 /* The tile of the next rows is fetched meanwhile: they lie far apart, where no processor foresees them. */
-YCI_TARGET static void YCI_(yci_update)(
-    int m, int n, int k, const double *a, size_t lda, const double *b, size_t ldb, double *c, size_t ldc) {
-    int i, j, p;
-    for (j = 0; j < n; j += V_TILE_N, c += V_TILE_N * ldc) {
-        for (p = V_TILE_N; p < 2 * V_TILE_N; p++)
+YCI_TARGET static void YCI_(yci_update)(int m, int n, int k, const double *l, size_t ldl, double *c, size_t ldc) {
+    V rows[YCI_LU_STRIP * YCI_LU_BLOCK / V_W]; /* in whole lines */
+    double *u = (double *)rows;
+    int i, j, p, far = ldc > 256; /* a smaller C is near already */
+    for (j = 0; j < k; j += YCI_PANEL, l += YCI_PANEL * ldl, c += YCI_PANEL * ldc)
+        for (i = 0; i < m; i += V_STRIP_V * V_W) {
+#if V_STRIP_V == 3
+            if (m - i == V_W) YCI_(yci_upper)(1, j, l, ldl, u + i, c + i, ldc);
+            else if (m - i == 2 * V_W) YCI_(yci_upper)(2, j, l, ldl, u + i, c + i, ldc);
+            else
+#endif
+                YCI_(yci_upper)(V_STRIP_V, j, l, ldl, u + i, c + i, ldc);
+        }
+    for (; j < n; j += V_TILE_N, l += V_TILE_N * ldl, c += V_TILE_N * ldc) {
+        for (p = V_TILE_N; far && p < 2 * V_TILE_N; p++)
             for (i = 0; i < m; i += 8) V_PREFETCH(c + (size_t)p * ldc + i);
         for (i = 0; i < m; i += V_TILE_V * V_W) {
-            int vectors = (m - i) / V_W;
-            if (vectors == 1) YCI_(yci_tile)(1, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
-            else if (vectors == 2) YCI_(yci_tile)(2, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
-            else YCI_(yci_tile)(V_TILE_V, V_W, V_TILE_N, V_TILE_N, k, a + i, lda, b + j, ldb, c + i, ldc, 1);
+            if (m - i == V_W) YCI_(yci_rest)(1, k, l, ldl, u + i, c + i, ldc);
+            else if (m - i == 2 * V_W) YCI_(yci_rest)(2, k, l, ldl, u + i, c + i, ldc);
+            else YCI_(yci_rest)(V_TILE_V, k, l, ldl, u + i, c + i, ldc);
         }
     }
 }
@@ -2334,8 +2524,8 @@ YCI_TARGET static void YCI_(yci_update)(
 #define V_PANEL (YCI_PANEL / V_W) /* vectors of a panel's rows */
 
 /* T -= A X for rows `first` to first + some - 1 of A, which lie at multiples of lda and have m numbers. */
-YCI_TARGET YCI_INLINE void YCI_(yci_dots_some)(int first, int some, int m, const double *a, size_t lda, ptrdiff_t ahead,
-    V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
+YCI_TARGET YCI_INLINE void YCI_(yci_dots_some)(
+    int first, int some, int m, const double *a, size_t lda, V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
     V s[YCI_RIGHT][YCI_PANEL];
     int i, j, r;
     YCI_UNROLL
@@ -2347,9 +2537,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_dots_some)(int first, int some, int m, const
         for (r = 0; r < count; r++) y[r] = V_LOAD(x + (size_t)r * ldx + i);
         YCI_UNROLL
         for (j = first; j < first + some; j++) {
-            const double *row = a + (size_t)j * lda + i;
-            V z = V_LOAD(row);
-            V_PREFETCH(row + ahead);
+            V z = V_LOAD(a + (size_t)j * lda + i);
             YCI_UNROLL
             for (r = 0; r < count; r++) s[r][j] = V_FMA(z, y[r], s[r][j]);
         }
@@ -2370,12 +2558,12 @@ YCI_TARGET YCI_INLINE void YCI_(yci_dots_some)(int first, int some, int m, const
 }
 
 YCI_TARGET YCI_INLINE void YCI_(yci_dots)(
-    int m, const double *a, size_t lda, ptrdiff_t ahead, V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
+    int m, const double *a, size_t lda, V (*t)[V_PANEL], const double *x, size_t ldx, int count) {
     if (m <= 0) return;
-    if (count < V_ALL_ROWS) YCI_(yci_dots_some)(0, YCI_PANEL, m, a, lda, ahead, t, x, ldx, count);
+    if (count < V_ALL_ROWS) YCI_(yci_dots_some)(0, YCI_PANEL, m, a, lda, t, x, ldx, count);
     else {
-        YCI_(yci_dots_some)(0, YCI_PANEL / 2, m, a, lda, ahead, t, x, ldx, count);
-        YCI_(yci_dots_some)(YCI_PANEL / 2, YCI_PANEL / 2, m, a, lda, ahead, t, x, ldx, count);
+        YCI_(yci_dots_some)(0, YCI_PANEL / 2, m, a, lda, t, x, ldx, count);
+        YCI_(yci_dots_some)(YCI_PANEL / 2, YCI_PANEL / 2, m, a, lda, t, x, ldx, count);
     }
 }
 
@@ -2434,19 +2622,18 @@ YCI_TARGET YCI_INLINE void YCI_(yci_deliver)(int n, V (*t)[V_PANEL], double *x, 
 
 YCI_TARGET YCI_INLINE void YCI_(yci_solve_some)(
     int n, const double *f, size_t ld, const double *corner, const double *inverse, double *x, size_t ldx, int count) {
-    ptrdiff_t group = (ptrdiff_t)(YCI_PANEL * ld);
     V t[YCI_RIGHT][V_PANEL];
     int i;
     for (i = 0; i < n; i += YCI_PANEL) {
         YCI_(yci_fetch)(n - i, x + i, ldx, t, count);
-        YCI_(yci_dots)(i, f + (size_t)i * ld, ld, group, t, x, ldx, count);
+        YCI_(yci_dots)(i, f + (size_t)i * ld, ld, t, x, ldx, count);
         YCI_(yci_corner)(0, corner + YCI_PANEL * (size_t)i, YCI_PANEL, NULL, t, count);
         YCI_(yci_deliver)(n - i, t, x + i, ldx, count);
     }
     for (i -= YCI_PANEL; i >= 0; i -= YCI_PANEL) {
         int next = i + YCI_PANEL;
         YCI_(yci_fetch)(n - i, x + i, ldx, t, count);
-        YCI_(yci_dots)(n - next, f + (size_t)i * ld + next, ld, -group, t, x + next, ldx, count);
+        YCI_(yci_dots)(n - next, f + (size_t)i * ld + next, ld, t, x + next, ldx, count);
         YCI_(yci_corner)(1, corner + YCI_PANEL * (size_t)i, YCI_PANEL, inverse + i, t, count);
         YCI_(yci_deliver)(n - i, t, x + i, ldx, count);
     }
@@ -2522,8 +2709,8 @@ YCI_TARGET static void YCI_(yci_solve_transposed)(
 #define YCI_TEXT(name) YCI_TEXT_(name)
 static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
     YCI_(yci_pack), YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_tiles_factor), YCI_(yci_tiles_solve),
-    YCI_(yci_sizes), YCI_(yci_transpose), YCI_(yci_pivots), YCI_(yci_exchange), YCI_(yci_update), YCI_(yci_solve),
-    YCI_(yci_solve_transposed)};
+    YCI_(yci_finite), YCI_(yci_take), YCI_(yci_transpose), YCI_(yci_panel), YCI_(yci_exchange), YCI_(yci_update),
+    YCI_(yci_solve), YCI_(yci_solve_transposed)};
 
 #ifdef __clang__
 #pragma clang diagnostic pop
@@ -2561,7 +2748,11 @@ static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product
 #undef V_MAX
 #undef V_PICK
 #undef V_LANE
-#undef V_PUT
+#undef V_SAME
+#undef V_WHERE
+#undef V_MOST
+#undef V_FIRST
+#undef V_SIGNED
 #undef V_PANEL
 #endif /* ---- what is read once per instruction set ---- */
 
@@ -2681,17 +2872,13 @@ static int yci_panel_indefinite(const yci_kernels *kernel, int m, int n, double 
     return -1;
 }
 
-/* Columns of a block of LU, which is factored by itself before the columns behind it are updated. */
-static int yci_lu_block(int n) { return n <= 128 ? 16 : n < 400 ? 32 : YCI_LU_BLOCK; }
-
 struct yc_lu {
     yci_context context;
     const yci_kernels *kernels;
     int n, rows, factored, plain; /* n, and n in whole panels; a reciprocal overflows: solve with divisions */
-    size_t ld, ldw;
+    size_t ld;
     double *f;       /* the factor by rows: U on and above the diagonal, L (unit diagonal) below; zeros up to `rows` */
-    double *w;       /* a block by columns while it is factored */
-    double *u;       /* rows of U by rows, to update a part of a block */
+    yci_panel panel; /* room for a panel */
     double *corner;  /* the diagonal's 8 x 8 corners by columns */
     double *inverse; /* one over U's diagonal */
     double *work;    /* 2 * rows, for the scan and the condition estimate */
@@ -2705,8 +2892,7 @@ YC_API void yc_lu_destroy(yc_lu *lu) {
     if (!lu) return;
     c = lu->context;
     yci_free(&c, lu->f);
-    yci_free(&c, lu->w);
-    yci_free(&c, lu->u);
+    yci_free(&c, lu->panel.w);
     yci_free(&c, lu->corner);
     yci_free(&c, lu->inverse);
     yci_free(&c, lu->work);
@@ -2714,22 +2900,20 @@ YC_API void yc_lu_destroy(yc_lu *lu) {
     yci_free(&c, lu);
 }
 
-/* A leading dimension of at least n whole lines whose multiples do not meet in the same part of a cache. */
-static size_t yci_lu_stride(int rows) { return (size_t)rows + (rows % 64 == 0 ? YCI_PANEL : 0); }
+/* A leading dimension of whole lines whose multiples do not meet in the same part of a cache, where that matters. */
+static size_t yci_lu_stride(int rows) { return (size_t)rows + (rows > 64 && rows % 64 == 0 ? YCI_PANEL : 0); }
 
 static int yci_lu_allocate(yc_lu *lu) {
     yci_context *c = &lu->context;
-    int block = yci_lu_block(lu->rows);
     size_t rows = (size_t)lu->rows;
-    lu->ld = lu->ldw = yci_lu_stride(lu->rows);
+    lu->ld = lu->panel.ldw = yci_lu_stride(lu->rows);
     lu->f = (double *)yci_alloc(c, rows + 1, lu->ld * sizeof(double));
-    lu->w = (double *)yci_alloc(c, (size_t)block + 1, lu->ldw * sizeof(double));
-    lu->u = YCI_NEW(c, double, block *block / 4 + YCI_OVERREAD);
+    lu->panel.w = YCI_NEW(c, double, YCI_PANEL * lu->ld + YCI_LU_BEHIND);
     lu->corner = YCI_NEW(c, double, YCI_PANEL *rows);
     lu->inverse = YCI_NEW(c, double, rows);
     lu->work = YCI_NEW(c, double, 2 * rows + 1);
     lu->pivot = YCI_NEW(c, int, lu->n);
-    return lu->f && lu->w && lu->u && lu->corner && lu->inverse && lu->work && lu->pivot;
+    return lu->f && lu->panel.w && lu->corner && lu->inverse && lu->work && lu->pivot;
 }
 
 YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
@@ -2757,97 +2941,67 @@ YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
 
 YC_API const char *yc_lu_message(const yc_lu *lu) { return lu->context.message; }
 
-/* `count` rows of U from those of A, m columns of them at u, by the unit triangle of L that begins at l in w. */
-static void yci_lu_rows(const yc_lu *lu, int count, int m, const double *l, double *u, size_t ldu) {
-    static const double ones[YCI_PANEL] = {1, 1, 1, 1, 1, 1, 1, 1};
-    int g, j;
-    for (g = 0; g < count; g += YCI_PANEL) {
-        double corner[YCI_PANEL * YCI_PANEL];
-        for (j = 0; j < YCI_PANEL; j++)
-            memcpy(corner + YCI_PANEL * j, l + (size_t)(g + j) * lu->ldw + g, YCI_PANEL * sizeof *corner);
-        lu->kernels->strips(m, YCI_PANEL, g, u, ldu, l + g, lu->ldw, corner, ones, u + (size_t)g * ldu, ldu);
-    }
-}
-
 typedef struct {
     yc_lu *lu;
     int begin, end; /* the block's columns; a block that does not end in whole panels is the last */
 } yci_lu_block_of;
 
-/* Factors columns [begin, end) of the block in w, whose rows start with the block's: halves, the right one updated by
- * the left one. Returns the column without a pivot, or -1. */
-static int yci_lu_columns(yc_lu *lu, const yci_lu_block_of *block, int begin, int end) {
-    const yci_kernels *kernels = lu->kernels;
-    double *w = lu->w, *left, *right;
-    int width = block->end - block->begin, rows = lu->rows - block->begin, middle, size, most, bad, j, k;
-    int *pivot = lu->pivot + block->begin;
+static double *yci_lu_at(const yc_lu *lu, int row, int column) { return lu->f + (size_t)row * lu->ld + (size_t)column; }
+
+/* Columns [from, to), at most YCI_LU_STRIP of them, are updated by [begin, end), which lie left of them. */
+static void yci_lu_strip(const yc_lu *lu, int begin, int end, int from, int to) {
+    lu->kernels->update(to - from, lu->rows - begin, end - begin, yci_lu_at(lu, begin, begin), lu->ld,
+        yci_lu_at(lu, begin, from), lu->ld);
+}
+
+/* Factors columns [begin, end) of a block: halves, the right one updated by the left one. Returns the column without a
+ * pivot, or -1. */
+static int yci_lu_columns(const yci_lu_block_of *b, int begin, int end) {
+    yc_lu *lu = b->lu;
+    int middle = begin + (end - begin + 2 * YCI_PANEL - 1) / (2 * YCI_PANEL) * YCI_PANEL, bad, j;
+    int stop = (end + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL, wide = stop - middle <= 32 ? 16 : YCI_LU_STRIP;
     if (end - begin <= YCI_PANEL) {
-        bad = kernels->pivots(rows - begin, end - begin, w + (size_t)begin * lu->ldw + begin, lu->ldw, pivot + begin);
-        if (bad < end - begin) return block->begin + begin + bad;
-        for (k = begin; k < end; k++) pivot[k] += begin;
-        for (j = 0; j < width; j++) {
-            double *column = w + (size_t)j * lu->ldw;
-            if (j == begin) j += YCI_PANEL, column += YCI_PANEL * lu->ldw;
-            if (j >= width) break;
-            for (k = begin; k < end; k++) {
-                double value = column[k];
-                column[k] = column[pivot[k]], column[pivot[k]] = value;
-            }
+        yci_panel panel = lu->panel;
+        panel.first = b->begin - begin, panel.last = (b->end + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL - begin;
+        bad = lu->kernels->panel(&panel, lu->rows - begin, end - begin, yci_lu_at(lu, begin, begin), lu->ld,
+            lu->pivot + begin, lu->corner + YCI_PANEL * (size_t)begin, lu->inverse + begin);
+        if (bad < end - begin) return begin + bad;
+        for (j = begin; j < end; j++) {
+            lu->pivot[j] += begin - b->begin;
+            if (!(fabs(lu->inverse[j]) <= DBL_MAX)) lu->plain = 1;
         }
         return -1;
     }
-    middle = begin + (end - begin + 2 * YCI_PANEL - 1) / (2 * YCI_PANEL) * YCI_PANEL;
-    if ((bad = yci_lu_columns(lu, block, begin, middle)) >= 0) return bad;
-    size = middle - begin, most = (end - middle + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL;
-    left = w + (size_t)begin * lu->ldw + begin, right = w + (size_t)middle * lu->ldw + begin;
-    kernels->transpose(most, size, right, lu->ldw, lu->u, (size_t)most);
-    yci_lu_rows(lu, size, most, left, lu->u, (size_t)most);
-    kernels->transpose(size, most, lu->u, (size_t)most, right, lu->ldw);
-    kernels->product(rows - middle, most, size, left + size, lu->ldw, lu->u, (size_t)most, right + size, lu->ldw, 1);
-    return yci_lu_columns(lu, block, middle, end);
+    if ((bad = yci_lu_columns(b, begin, middle)) >= 0) return bad;
+    for (j = middle; j < stop; j += wide) yci_lu_strip(lu, begin, middle, j, yci_min_int(j + wide, stop));
+    return yci_lu_columns(b, middle, end);
 }
 
-/* Strips of the columns outside a block: exchanges in all, then in those to its right rows of U and the update. */
-static void yci_lu_update(void *arg, int first, int last) {
-    const yci_lu_block_of *block = (const yci_lu_block_of *)arg;
-    yc_lu *lu = block->lu;
-    double u[YCI_LU_STRIP * YCI_LU_BLOCK + YCI_OVERREAD];
-    int size = block->end - block->begin, before = (block->begin + YCI_LU_LEFT - 1) / YCI_LU_LEFT, q, k;
+/* Strips of the columns outside a block: exchanges in all, and the update in those to its right. */
+static void yci_lu_outside(void *arg, int first, int last) {
+    const yci_lu_block_of *b = (const yci_lu_block_of *)arg;
+    const yc_lu *lu = b->lu;
+    int before = (b->begin + YCI_LU_LEFT - 1) / YCI_LU_LEFT, q;
     for (q = first; q < last; q++) {
         int right = q >= before, wide = right ? YCI_LU_STRIP : YCI_LU_LEFT;
-        int column = right ? block->end + (q - before) * wide : q * wide, stop = right ? lu->rows : block->begin;
-        int m = stop - column < wide ? stop - column : wide;
-        double *f = lu->f + (size_t)block->begin * lu->ld + column;
-        lu->kernels->exchange(size, lu->pivot + block->begin, m, f, lu->ld);
-        if (!right) continue;
-        for (k = 0; k < size; k++) memcpy(u + YCI_LU_STRIP * k, f + (size_t)k * lu->ld, (size_t)m * sizeof *u);
-        yci_lu_rows(lu, size, m, lu->w, u, YCI_LU_STRIP);
-        for (k = 0; k < size; k++) memcpy(f + (size_t)k * lu->ld, u + YCI_LU_STRIP * k, (size_t)m * sizeof *u);
-        lu->kernels->update(
-            m, lu->rows - block->end, size, u, YCI_LU_STRIP, lu->w + size, lu->ldw, f + (size_t)size * lu->ld, lu->ld);
+        int from = right ? b->end + (q - before) * wide : q * wide;
+        int to = yci_min_int(from + wide, right ? lu->rows : b->begin);
+        lu->kernels->exchange(
+            b->end - b->begin, lu->pivot + b->begin, to - from, yci_lu_at(lu, b->begin, from), lu->ld);
+        if (right) yci_lu_strip(lu, b->begin, b->end, from, to);
     }
 }
 
 /* Factors the block of columns [begin, end) and updates the others. Returns the column without a pivot, or -1. */
 static int yci_lu_step(yc_lu *lu, int begin, int end) {
-    yci_lu_block_of block;
-    int rows = lu->rows - begin, size = (end - begin + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL, bad, j, items;
-    double *f = lu->f + (size_t)begin * lu->ld + begin;
-    block.lu = lu, block.begin = begin, block.end = end;
-    lu->kernels->transpose(rows, size, f, lu->ld, lu->w, lu->ldw);
-    bad = yci_lu_columns(lu, &block, 0, end - begin);
+    yci_lu_block_of b;
+    int bad, j, items;
+    b.lu = lu, b.begin = begin, b.end = end;
+    bad = yci_lu_columns(&b, begin, end);
     if (bad >= 0) return bad;
-    lu->kernels->transpose(size, rows, lu->w, lu->ldw, f, lu->ld);
-    for (j = 0; j < size; j++)
-        memcpy(lu->corner + YCI_PANEL * (size_t)(begin + j), lu->w + (size_t)j * lu->ldw + j / YCI_PANEL * YCI_PANEL,
-            YCI_PANEL * sizeof(double));
-    for (j = 0; j < end - begin; j++) {
-        double inverse = 1.0 / lu->w[(size_t)j * lu->ldw + (size_t)j];
-        if (!(inverse <= DBL_MAX && inverse >= -DBL_MAX)) lu->plain = 1;
-        lu->inverse[begin + j] = inverse;
-    }
-    items = (begin + YCI_LU_LEFT - 1) / YCI_LU_LEFT + (rows - size + YCI_LU_STRIP - 1) / YCI_LU_STRIP;
-    yci_parallel(&lu->context, items, 1, yci_lu_update, &block);
+    items = (begin + YCI_LU_LEFT - 1) / YCI_LU_LEFT;
+    if (end < lu->n) items += (lu->rows - end + YCI_LU_STRIP - 1) / YCI_LU_STRIP;
+    yci_parallel(&lu->context, items, 1, yci_lu_outside, &b);
     for (j = begin; j < end; j++) lu->pivot[j] += begin;
     return -1;
 }
@@ -2879,45 +3033,33 @@ static void yci_lu_lapack_solve(const yc_lu *lu, const char *transposed, double 
 
 /* Factors A in f. Returns the column without a pivot, or -1. */
 static int yci_lu_all(yc_lu *lu) {
-    int begin, end, bad = -1, block = yci_lu_block(lu->rows);
+    int begin, end, bad = -1;
 #ifdef YC_USE_LAPACK
     return yci_lu_lapack(lu);
 #endif
     for (begin = 0; begin < lu->n && bad < 0; begin = end) {
-        end = lu->n - begin < block ? lu->n : begin + block;
+        end = yci_min_int(begin + YCI_LU_BLOCK, lu->n);
         bad = yci_lu_step(lu, begin, end);
     }
     return bad;
 }
 
 static yc_result yci_lu_not_finite(yc_lu *lu, const double *a, int lda) {
-    int i, j;
-    for (i = 0; i < lu->n; i++)
-        for (j = 0; j < lu->n; j++) {
-            double value = a[(size_t)i * (size_t)lda + (size_t)j];
-            if (!(fabs(value) <= DBL_MAX))
-                return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", i, j, value);
-        }
-    return YC_OK; /* a sum overflowed */
+    int i = 0, j = 0;
+    while (fabs(a[(size_t)i * (size_t)lda + (size_t)j]) <= DBL_MAX)
+        if (++j == lu->n) i++, j = 0;
+    return YCI_FAIL(
+        &lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a[%d][%d] is %g", i, j, a[(size_t)i * (size_t)lda + (size_t)j]);
 }
 
 YC_API yc_result yc_lu_factor(yc_lu *lu, const double *a, int lda) {
-    double largest, norm = 0.0;
-    int i, bad;
+    int bad;
     if (!lu) return YC_ERROR_ARGUMENT;
     if (lu->n && !a) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: a is NULL");
     if (lda < lu->n) return YCI_FAIL(&lu->context, YC_ERROR_ARGUMENT, "yc_lu_factor: lda is %d, n is %d", lda, lu->n);
-    memset(lu->work, 0, (size_t)lu->rows * sizeof(double));
-    largest = lu->kernels->sizes(lu->n, lu->n, a, (size_t)lda, lu->work);
-    for (i = 0; i < lu->n && norm <= DBL_MAX; i++) norm = lu->work[i] <= norm ? norm : lu->work[i];
-    if (!(norm <= DBL_MAX) && yci_lu_not_finite(lu, a, lda) != YC_OK) return YC_ERROR_ARGUMENT;
-    lu->factored = lu->plain = 0, lu->norm = norm, lu->largest = largest;
-    for (i = 0; i < lu->rows; i++) { /* an overflow may have left its traces around A as well */
-        int used = i < lu->n ? lu->n : 0;
-        double *row = lu->f + (size_t)i * lu->ld;
-        if (used) memcpy(row, a + (size_t)i * (size_t)lda, (size_t)used * sizeof(double));
-        memset(row + used, 0, (size_t)(lu->rows - used) * sizeof(double));
-    }
+    if (!lu->kernels->finite((size_t)lu->n, (size_t)lu->n, a, (size_t)lda)) return yci_lu_not_finite(lu, a, lda);
+    lu->factored = lu->plain = 0;
+    lu->largest = lu->kernels->take(lu->n, a, (size_t)lda, lu->f, lu->ld, lu->work, &lu->norm);
     bad = yci_lu_all(lu);
     if (bad >= 0) return YCI_FAIL(&lu->context, YC_ERROR_SINGULAR, "yc_lu_factor: column %d has no pivot", bad);
     lu->factored = 1;
