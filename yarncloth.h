@@ -1228,7 +1228,8 @@ typedef struct yci_trapezoid {
  * the inverse of a whole diagonal tile, taken without pivoting, with which errors grow by its condition. A tile C with
  * inverse P is therefore refused when the sum of |C_ij P_ij| (for positive definite C, at least an eighth of the
  * condition that scaling leaves) plus YCI_TILE_LOSS times that with what C came from exceeds YCI_TILE_CONDITION, or
- * when a pivot is not positive (spd) or near what underflows. */
+ * when a pair of pivots is not positive definite (spd), ill-conditioned by itself (if not spd: later pairs may hide
+ * that in P, but not undo its errors), or has a determinant near what underflows. */
 typedef struct yci_tiles {
     int blocks, spd;
     int *begin;     /* blocks + 1: first tile of every column, the one on the diagonal */
@@ -1923,12 +1924,17 @@ YCI_TARGET YCI_INLINE int YCI_(yci_tile_invert)(double *c, const double *kept, i
         V r = V_LANE(a[k + 1][(k + 1) / V_W], (k + 1) % V_W), det = V_FNMA(q, q, V_MUL(p, r));
         V inverse = V_SET(1.0) / det, u[V_TILE_PART], v[V_TILE_PART], low = spd ? det : V_ABS(det);
         if (spd) least = V_PICK(p, least, least, p);
+        else { /* a pair that cancels cannot be seen in what comes of all of them */
+            V size = V_FMA(q, q, V_ABS(V_MUL(p, r)));
+            low = V_PICK(size, V_MUL(low, V_SET(YCI_TILE_CONDITION)), V_SET(0.0), low);
+        }
         least = V_PICK(low, least, least, low), most = V_PICK(low, most, low, most);
+        p = V_MUL(p, inverse), q = V_MUL(q, inverse), r = V_MUL(r, inverse); /* first, so that no product underflows */
         YCI_UNROLL
         for (i = 0; i < V_TILE_PART; i++) { /* C_K and, in rows K, minus one */
             const double *zero = hole + YCI_PANEL - k + V_W * i, *one = unit + YCI_PANEL - k + V_W * i;
             V s = V_FMA(a[k][i], V_LOAD(zero), V_LOAD(one)), t = V_FMA(a[k + 1][i], V_LOAD(zero), V_LOAD(one - 1));
-            u[i] = V_MUL(V_FNMA(t, q, V_MUL(s, r)), inverse), v[i] = V_MUL(V_FNMA(s, q, V_MUL(t, p)), inverse);
+            u[i] = V_FNMA(t, q, V_MUL(s, r)), v[i] = V_FNMA(s, q, V_MUL(t, p));
         }
         YCI_UNROLL
         for (j = 0; j < YCI_PANEL; j++)
