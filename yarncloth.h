@@ -1999,24 +1999,23 @@ YCI_TARGET static int YCI_(yci_tiles_factor)(const yci_tiles *t) {
     return 1;
 }
 
-/* z := A x, for a tile; x[r][q] is number q of array r in all lanes. */
+/* z := A x, for a tile; x[r][q] is number q of array r in all lanes. Even and odd columns are summed at the same time,
+ * to hide an addition's time, and whatever the count, so that it does not change the bits. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tile_times)(
     const double *a, const V (*x)[YCI_PANEL], V (*z)[V_TILE_PART], int count) {
-    int i, q, r, chains = count == 1 ? 2 : 1; /* sums at the same time, to hide an addition's time */
+    int i, q, r;
     YCI_UNROLL
     for (i = 0; i < V_TILE_PART; i++) {
-        V s[YCI_RIGHT];
+        V s[2][YCI_RIGHT];
         YCI_UNROLL
         for (q = 0; q < YCI_PANEL; q++) {
             V column = V_LOAD(a + YCI_PANEL * q + V_W * i);
             YCI_UNROLL
-            for (r = 0; r < count; r++) {
-                int at = r + (chains == 2 && q % 2);
-                s[at] = q < chains ? V_MUL(column, x[r][q]) : V_FMA(column, x[r][q], s[at]);
-            }
+            for (r = 0; r < count; r++)
+                s[q % 2][r] = q < 2 ? V_MUL(column, x[r][q]) : V_FMA(column, x[r][q], s[q % 2][r]);
         }
         YCI_UNROLL
-        for (r = 0; r < count; r++) z[r][i] = chains == 2 ? V_ADD(s[0], s[1]) : s[r];
+        for (r = 0; r < count; r++) z[r][i] = V_ADD(s[0][r], s[1][r]);
     }
 }
 
