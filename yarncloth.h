@@ -1233,7 +1233,8 @@ typedef struct yci_trapezoid {
  * the inverse of a whole diagonal tile, taken without pivoting, with which errors grow by its condition. A tile C with
  * inverse P is therefore refused when the sum of |C_ij P_ij| (for positive definite C, at least an eighth of the
  * condition that scaling leaves) plus YCI_TILE_LOSS times that with what C came from exceeds YCI_TILE_CONDITION, or
- * when a pivot is not positive (spd) or near what underflows. */
+ * when a pair of pivots is not positive definite (spd), ill-conditioned by itself (if not spd: later pairs may hide
+ * that in P, but not undo its errors), or has a determinant near what underflows. */
 typedef struct yci_tiles {
     int blocks, spd;
     int *begin;     /* blocks + 1: first tile of every column, the one on the diagonal */
@@ -1750,24 +1751,23 @@ YCI_TARGET YCI_INLINE void YCI_(yci_spread_right)(const double *from, size_t ld,
     for (q = 0; q < YCI_PANEL; q++) x[r][q] = V_SET(from[(size_t)r * ld + (size_t)q]);
 }
 
-/* z := A x for a tile of n columns, lda apart; x is zero behind them. */
+/* z := A x for a tile of n columns, lda apart; x is zero behind them. Even and odd columns are summed at the same time,
+ * to hide an addition's time, and whatever the count, so that it does not change the bits. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tile_times)(
     int n, const double *a, size_t lda, const V (*x)[YCI_PANEL], V (*z)[V_TILE_PART], int count) {
-    int i, q, r, chains = count == 1 ? 2 : 1; /* sums at the same time, to hide an addition's time */
+    int i, q, r;
     YCI_UNROLL
     for (i = 0; i < V_TILE_PART; i++) {
-        V s[YCI_RIGHT];
+        V s[2][YCI_RIGHT];
         YCI_UNROLL
         for (q = 0; q < YCI_PANEL; q++) {
             V column = V_LOAD(a + lda * (size_t)(q < n ? q : 0) + V_W * i);
             YCI_UNROLL
-            for (r = 0; r < count; r++) {
-                int at = r + (chains == 2 && q % 2);
-                s[at] = q < chains ? V_MUL(column, x[r][q]) : V_FMA(column, x[r][q], s[at]);
-            }
+            for (r = 0; r < count; r++)
+                s[q % 2][r] = q < 2 ? V_MUL(column, x[r][q]) : V_FMA(column, x[r][q], s[q % 2][r]);
         }
         YCI_UNROLL
-        for (r = 0; r < count; r++) z[r][i] = chains == 2 ? V_ADD(s[0], s[1]) : s[r];
+        for (r = 0; r < count; r++) z[r][i] = V_ADD(s[0][r], s[1][r]);
     }
 }
 
@@ -2079,12 +2079,17 @@ YCI_TARGET YCI_INLINE int YCI_(yci_tile_invert)(double *c, const double *kept, i
         V r = V_LANE(a[k + 1][(k + 1) / V_W], (k + 1) % V_W), det = V_FNMA(q, q, V_MUL(p, r));
         V inverse = V_SET(1.0) / det, u[V_TILE_PART], v[V_TILE_PART], low = spd ? det : V_ABS(det);
         if (spd) least = V_PICK(p, least, least, p);
+        else { /* a pair that cancels cannot be seen in what comes of all of them */
+            V size = V_FMA(q, q, V_ABS(V_MUL(p, r)));
+            low = V_PICK(size, V_MUL(low, V_SET(YCI_TILE_CONDITION)), V_SET(0.0), low);
+        }
         least = V_PICK(low, least, least, low), most = V_PICK(low, most, low, most);
+        p = V_MUL(p, inverse), q = V_MUL(q, inverse), r = V_MUL(r, inverse); /* first, so that no product underflows */
         YCI_UNROLL
         for (i = 0; i < V_TILE_PART; i++) { /* C_K and, in rows K, minus one */
             const double *zero = hole + YCI_PANEL - k + V_W * i, *one = unit + YCI_PANEL - k + V_W * i;
             V s = V_FMA(a[k][i], V_LOAD(zero), V_LOAD(one)), t = V_FMA(a[k + 1][i], V_LOAD(zero), V_LOAD(one - 1));
-            u[i] = V_MUL(V_FNMA(t, q, V_MUL(s, r)), inverse), v[i] = V_MUL(V_FNMA(s, q, V_MUL(t, p)), inverse);
+            u[i] = V_FNMA(t, q, V_MUL(s, r)), v[i] = V_FNMA(s, q, V_MUL(t, p));
         }
         YCI_UNROLL
         for (j = 0; j < YCI_PANEL; j++)
@@ -5576,7 +5581,9 @@ static int yci_chol_whole(yci_chol_blocks *m, int i, int off, const int *shared,
     int count = m->count, runs = m->run_count;
     const int *row = m->ptr + b * i;
     for (a = 1; a < b; a++)
-        if (shared[b * i + a] < off || row[a + 1] - row[a] != stride + a * grow) return 0;
+        if (shared[b * i + a] < off || row[a + 1] - row[a] != stride + a * grow ||
+            (off < row[a + 1] - row[a] && m->col[row[a] + off] < b * i)) /* more left of the block than the first */
+            return 0;
     for (k = begin; k < begin + off; k += b) {
         int j = b == 1 ? m->col[k] : m->col[k] / b;
         yci_ldl_run *run;

@@ -524,9 +524,9 @@ TEST(direct_quasidefinite_graded) {
     }
 }
 
-/* Nodes of 1 to 8 unknowns against dense LU. Each node is made of pairs [[0 2],[2 k]], and a 1 where one is left over;
- * weak random links join neighbours. */
-static void mixed_nodes(uint64_t seed, int ordered, double k) {
+/* Nodes of 1 to 8 unknowns, or of none and 2, against dense LU. Each node is made of pairs [[0 2],[2 k]], and a 1 where
+ * one is left over; weak random links join neighbours. */
+static void mixed_nodes(uint64_t seed, int ordered, double k, int pairs_only) {
     enum { NODES = 64 };
     static int pair[3 * NODES][2], dim[NODES], order[NODES];
     int level, i, j, p, a, b, pairs = 0, size, near[3];
@@ -536,7 +536,7 @@ static void mixed_nodes(uint64_t seed, int ordered, double k) {
     yc_lu *lu = NULL;
     double *dense, *work;
     for (i = 0; i < NODES; i++) {
-        dim[i] = 1 + test_random_int(&seed, YCI_BLOCK_MAX), order[i] = i;
+        dim[i] = pairs_only ? 2 * test_random_int(&seed, 2) : 1 + test_random_int(&seed, YCI_BLOCK_MAX), order[i] = i;
         for (p = neighbours(GRID, NODES, i, near); p > 0;) pair[pairs][0] = i, pair[pairs++][1] = near[--p];
     }
     for (i = NODES - 1; i > 0; i--) j = test_random_int(&seed, i + 1), p = order[i], order[i] = order[j], order[j] = p;
@@ -566,6 +566,7 @@ static void mixed_nodes(uint64_t seed, int ordered, double k) {
     for (level = 0; level < YCI_LEVELS; level++) {
         double *x = random_numbers(seed, 2 * size), *y = random_numbers(seed, 2 * size);
         if ((f->kernels = yci_kernels_of(level)) != NULL && CHECK_RESULT(yci_ldl_factor(f, m.val), YC_OK)) {
+            CHECK(f->tiled == (pairs_only && tile_limit > 0));
             yci_ldl_solve(f, x, 2, size, work);
             CHECK_RESULT(yc_lu_solve(lu, y, 2, size), YC_OK);
             CHECK_NEAR_ALL(x, y, 2 * size, 1e-13);
@@ -578,13 +579,14 @@ static void mixed_nodes(uint64_t seed, int ordered, double k) {
 
 TEST(direct_mixed_nodes) {
     int trial;
-    for (trial = 0; trial < 6; trial++) mixed_nodes((uint64_t)trial, trial % 3, trial % 2 ? -1.0 : 0.5);
+    for (trial = 0; trial < 6; trial++) mixed_nodes((uint64_t)trial, trial % 3, trial % 2 ? -1.0 : 0.5, 0);
 }
 
 /* Pairs without any diagonal are regular blocks. */
 TEST(direct_zero_pairs) {
     int trial;
-    for (trial = 0; trial < 6; trial++) mixed_nodes((uint64_t)trial, trial % 3, 0.0);
+    for (trial = 0; trial < 6; trial++) mixed_nodes((uint64_t)trial, trial % 3, 0.0, 0);
+    for (trial = 0; trial < 6; trial++) mixed_nodes((uint64_t)trial, trial % 3, trial % 2 ? -1.0 : 0.0, 1);
 }
 
 /* ---- sizes and shapes at the edge -------------------------------------------------------------------------------- */
@@ -777,6 +779,23 @@ static void holes(double k) {
 TEST(direct_holes) { holes(-1.0); }
 
 TEST(direct_no_diagonal) { holes(0.0); }
+
+/* Nodes whose later row reaches further left than the first, with as many entries as a whole block would give. */
+TEST(direct_hole_left) {
+    static const int ptr[] = {0, 1, 3, 4, 6}, col[] = {0, 0, 1, 2, 0, 3};
+    static const double values[] = {4.0, 1.0, 4.0, 4.0, 1.0, 4.0};
+    yc_chol_options options = options_of(YC_CHOL_SPD, 2);
+    yc_chol *chol = NULL;
+    double x[4] = {6.0, 9.0, 12.0, 17.0};
+    CHECK_RESULT(yc_chol_analyze(NULL, 4, ptr, col, &options, &chol), YC_OK);
+    CHECK_RESULT(yc_chol_factor(chol, values), YC_OK);
+    CHECK_RESULT(yc_chol_solve(chol, x, 1, 4), YC_OK);
+    CHECK_NEAR(4.0 * x[0] + x[1] + x[3], 6.0, 1e-14);
+    CHECK_NEAR(x[0] + 4.0 * x[1], 9.0, 1e-14);
+    CHECK_NEAR(4.0 * x[2], 12.0, 1e-14);
+    CHECK_NEAR(x[0] + 4.0 * x[3], 17.0, 1e-14);
+    yc_chol_destroy(chol);
+}
 
 /* ---- order ------------------------------------------------------------------------------------------------------- */
 
@@ -1012,6 +1031,183 @@ TEST(direct_singular) {
             yc_chol_destroy(chol);
             free(unknown);
             matrix_close(&m);
+        }
+}
+
+/* ---- small factors in tiles -------------------------------------------------------------------------------------- */
+
+/* A factor made with at most that many tiles. */
+static yc_chol *factored_with(int limit, const yc_host *host, const matrix *m, yc_chol_kind kind) {
+    yc_chol *chol;
+    tile_limit = limit;
+    chol = factored(host, m, kind);
+    return chol;
+}
+
+/* Tiles are used as long as there are no more than the limit; nodes that a pair of rows does not hold whole are not for
+ * them when D is made of blocks. */
+TEST(direct_tiles_limit) {
+    int which, block, tiles;
+    for (which = 0; which < 2; which++)
+        for (block = 1; block <= 3; block++) {
+            yc_chol_kind kind = which ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
+            matrix m = matrix_open(GRID, 225, block);
+            yc_chol *chol;
+            fill_dominant(&m, NULL, 3);
+            chol = factored_with(2500, NULL, &m, kind);
+            CHECK(chol->ldl->tiled == (!which || block <= 2) && (chol->ldl->tiles.blocks > 0) == chol->ldl->tiled);
+            tiles = chol->ldl->tiled ? chol->ldl->tiles.begin[chol->ldl->tiles.blocks] : 2;
+            CHECK(tiles == 2 || (tiles > m.n / YCI_PANEL && YCI_TILE * tiles > chol->ldl->nonzeros));
+            yc_chol_destroy(chol);
+            chol = factored_with(tiles, NULL, &m, kind);
+            CHECK(chol->ldl->tiled == (tiles > 2));
+            yc_chol_destroy(chol);
+            chol = factored_with(tiles - 1, NULL, &m, kind);
+            CHECK(!chol->ldl->tiled);
+            yc_chol_destroy(chol);
+            matrix_close(&m);
+        }
+}
+
+/* Tiles and fronts give the same solutions, of any width and shape, and each of them the same bits for a right-hand
+ * side whatever stands beside it. */
+TEST(direct_tiles_solutions) {
+    enum { MOST = 9 };
+    int shape, block, which, level, count, k, limit = tile_limit;
+    for (shape = 0; shape < SHAPES; shape++)
+        for (block = 1; block <= YCI_BLOCK_MAX; block++)
+            for (which = 0; which < (block <= 2 ? 2 : 1); which++) {
+                yc_chol_kind kind = which ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
+                matrix m = matrix_open(shape, 21 + 4 * shape, block);
+                size_t bytes = (size_t)m.n * sizeof(double);
+                double *b = random_numbers(4, MOST * m.n), *x = random_numbers(4, MOST * m.n);
+                double *y = random_numbers(4, MOST * m.n);
+                yc_chol *chol, *fronts;
+                fill_dominant(&m, NULL, 3);
+                chol = factored_with(limit, NULL, &m, kind), fronts = factored_with(0, NULL, &m, kind);
+                CHECK_RESULT(yc_chol_solve(fronts, y, MOST, m.n), YC_OK);
+                tile_limit = limit;
+                for (level = 0; level < YCI_LEVELS; level++) {
+                    if (!(chol->ldl->kernels = yci_kernels_of(level))) continue;
+                    memcpy(x, b, MOST * bytes);
+                    CHECK(yc_chol_factor(chol, m.value) == YC_OK && chol->ldl->tiled == (limit > 0));
+                    for (k = 0; k < MOST; k++) CHECK_RESULT(yc_chol_solve(chol, x + k * m.n, 1, m.n), YC_OK);
+                    CHECK_NEAR_ALL(x, y, MOST * m.n, 1e-13);
+                    for (count = 2; count <= MOST; count++) {
+                        double *z = random_numbers(4, MOST * m.n);
+                        CHECK_RESULT(yc_chol_solve(chol, z, count, m.n), YC_OK);
+                        CHECK(memcmp(x, z, (size_t)count * bytes) == 0);
+                        free(z);
+                    }
+                }
+                yc_chol_destroy(chol), yc_chol_destroy(fronts);
+                free(b), free(x), free(y);
+                matrix_close(&m);
+            }
+}
+
+/* A matrix of four unknowns in one tile, by rows of its lower triangle, scaled by 2^exponent in rows and columns. */
+static yc_chol *one_tile(matrix *m, const double *values, const int *exponent, yc_chol_kind kind) {
+    static const int order[] = {0, 1, 2, 3};
+    yc_chol_options options = options_of(kind, 1);
+    yc_chol *chol = NULL;
+    int i, k;
+    *m = matrix_open(DENSE, 4, 1);
+    for (i = 0; i < 4; i++)
+        for (k = m->ptr[i]; k < m->ptr[i + 1]; k++) m->value[k] = ldexp(values[k], exponent[i] + exponent[m->col[k]]);
+    options.order = order;
+    CHECK_RESULT(yc_chol_analyze(NULL, 4, m->ptr, m->col, &options, &chol), YC_OK);
+    return chol;
+}
+
+/* A tile whose condition is too much goes to the fronts, and so does one in which a pair is nearly singular by itself,
+ * though those behind it make up for that. */
+TEST(direct_tiles_ill_conditioned) {
+    static const double pair[] = {1.0, -1.0, 1.00000001, 0.5, 1.0, -1.0, 1.0, 0.25, 0.5, -1.0};
+    static const int none[4] = {0, 0, 0, 0};
+    int which, level, limit = tile_limit;
+    for (which = 0; which < 2; which++) {
+        yc_chol_kind kind = which ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
+        matrix m = matrix_open(GRID, 225, 1), small;
+        yc_chol *chol;
+        fill_springs(&m, 3);
+        chol = factored(NULL, &m, kind);
+        CHECK((chol->ldl->tiles.blocks > 0) == (limit > 0) && !chol->ldl->tiled);
+        CHECK_NEAR(solve_error(&m, kind, 0), 0.0, 2e-15);
+        yc_chol_destroy(chol);
+        chol = one_tile(&small, pair, none, YC_CHOL_QUASIDEFINITE);
+        for (level = 0; level < YCI_LEVELS; level++) {
+            double b[4] = {1.0, -2.0, 3.0, 0.5}, x[4] = {1.0, -2.0, 3.0, 0.5};
+            if (!(chol->ldl->kernels = yci_kernels_of(level))) continue;
+            CHECK(yc_chol_factor(chol, small.value) == YC_OK && !chol->ldl->tiled);
+            CHECK_RESULT(yc_chol_solve(chol, x, 1, 4), YC_OK);
+            CHECK_NEAR(backward_error(&small, b, x, 0), 0.0, 1e-8);
+        }
+        yc_chol_destroy(chol);
+        matrix_close(&m), matrix_close(&small);
+    }
+}
+
+/* Rows and columns of one tile from 2^-500 to 2^100: products of three entries underflow, and the solution is the same
+ * to the last bit, but for its exponents. */
+TEST(direct_tiles_wide) {
+    static const double values[] = {2.0, 0.5, 3.0, 1.0, -0.25, 2.5, 0.75, -1.0, 0.5, 4.0};
+    static const int none[4] = {0, 0, 0, 0}, wide[4] = {-230, -230, 100, -500};
+    int which, level, i;
+    for (which = 0; which < 2; which++) {
+        yc_chol_kind kind = which ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
+        matrix m, scaled;
+        yc_chol *chol = one_tile(&m, values, none, kind), *other = one_tile(&scaled, values, wide, kind);
+        for (level = 0; level < YCI_LEVELS; level++) {
+            double x[4] = {1.0, -2.0, 3.0, 0.5}, y[4] = {1.0, -2.0, 3.0, 0.5};
+            if (!(chol->ldl->kernels = other->ldl->kernels = yci_kernels_of(level))) continue;
+            CHECK(yc_chol_factor(chol, m.value) == YC_OK && yc_chol_factor(other, scaled.value) == YC_OK);
+            CHECK(chol->ldl->tiled == (tile_limit > 0) && other->ldl->tiled == chol->ldl->tiled);
+            for (i = 0; i < 4; i++) y[i] = ldexp(y[i], wide[i]);
+            CHECK(yc_chol_solve(chol, x, 1, 4) == YC_OK && yc_chol_solve(other, y, 1, 4) == YC_OK);
+            for (i = 0; i < 4; i++) y[i] = ldexp(y[i], wide[i]);
+            CHECK_NEAR_ALL(x, y, 4, tile_limit ? 0.0 : 1e-15);
+        }
+        yc_chol_destroy(chol), yc_chol_destroy(other);
+        matrix_close(&m), matrix_close(&scaled);
+    }
+}
+
+/* One object goes from tiles to fronts, to a failure and back, without an allocation after the first time; what it
+ * refuses it refuses in the words of one that has only fronts. */
+TEST(direct_tiles_in_turn) {
+    int which, block, round, k, limit = tile_limit;
+    for (which = 0; which < 2; which++)
+        for (block = 1; block <= 2; block++) {
+            yc_chol_kind kind = which ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
+            yc_host host = test_host_counting();
+            matrix m[3];
+            yc_chol *chol, *fronts;
+            uint64_t bits[2] = {0, 0};
+            int calls;
+            for (k = 0; k < 3; k++) m[k] = matrix_open(GRID, 225, block);
+            fill_dominant(&m[0], NULL, 3), fill_springs(&m[1], 3), fill_dominant(&m[2], NULL, 5);
+            if (which) fill_free(&m[2]);
+            else *entry(&m[2], 40, 40) *= 1e-3;
+            fronts = factored_with(0, NULL, &m[0], kind);
+            CHECK(yc_chol_factor(fronts, m[2].value) != YC_OK);
+            chol = factored_with(limit, &host, &m[0], kind), calls = test_heap.calls;
+            for (round = 0; round < 3; round++)
+                for (k = 0; k < 3; k++) {
+                    yc_result expected = k < 2 ? YC_OK : which ? YC_ERROR_SINGULAR : YC_ERROR_NOT_SPD;
+                    double *b = random_numbers(6, m[k].n), *x = random_numbers(6, m[k].n);
+                    CHECK_RESULT(yc_chol_factor(chol, m[k].value), expected);
+                    CHECK(chol->ldl->tiled == (k == 0 && limit > 0));
+                    if (k == 2) CHECK_TEXT(yc_chol_message(chol), yc_chol_message(fronts));
+                    CHECK_RESULT(yc_chol_solve(chol, x, 1, m[k].n), k < 2 ? YC_OK : YC_ERROR_ARGUMENT);
+                    if (k == 0) CHECK_NEAR(backward_error(&m[k], b, x, 0), 0.0, 1e-15);
+                    if (k < 2 && round == 0) bits[k] = factor_bits(chol);
+                    if (k < 2) CHECK(factor_bits(chol) == bits[k]);
+                    free(b), free(x);
+                }
+            CHECK(test_heap.calls == calls);
+            yc_chol_destroy(chol), yc_chol_destroy(fronts);
+            for (k = 0; k < 3; k++) matrix_close(&m[k]);
         }
 }
 
