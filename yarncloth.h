@@ -1230,23 +1230,27 @@ typedef struct yci_trapezoid {
 
 /* A small factor L D L' in tiles of YCI_PANEL x YCI_PANEL numbers, by columns, aligned both ways: D has one block per
  * tile on the diagonal, L unit blocks there. Nothing is searched for and no index is read inside a tile. The price is
- * the inverse of a whole diagonal tile, taken without pivoting, with which errors grow by its condition. A tile C with
- * inverse P is therefore refused when the sum of |C_ij P_ij| (for positive definite C, at least an eighth of the
- * condition that scaling leaves) plus YCI_TILE_LOSS times that with what C came from exceeds YCI_TILE_CONDITION, or
- * when a pair of pivots is not positive definite (spd), ill-conditioned by itself (if not spd: later pairs may hide
- * that in P, but not undo its errors), or has a determinant near what underflows. */
+ * the inverse P of a whole diagonal tile C, taken without pivoting, with which errors grow by its condition. That is
+ * measured by the sum of |C_ij P_ij| (for positive definite C, at least an eighth of the condition that scaling leaves)
+ * and YCI_TILE_LOSS times that with what C came from. Above YCI_TILE_CONDITION, what is multiplied by P is refined once
+ * (a mass matrix stays at 10, where 8 is the least). Above YCI_TILE_LIMIT, or YCI_TILE_INDEFINITE, the tile is refused;
+ * so is a pair of pivots that is not positive definite (spd) or else as ill-conditioned by itself, which the ones behind
+ * it may undo in P but not in its errors, or whose determinant is near what underflows. */
 typedef struct yci_tiles {
     int blocks, spd;
     int *begin;     /* blocks + 1: first tile of every column, the one on the diagonal */
     int *row;       /* a tile's row of tiles, ascending in a column */
     int *target;    /* the tiles that are changed by all pairs (a, b >= a) of a column's tiles below the diagonal */
+    int *refine;    /* blocks: whether what is multiplied by inverse(D) is refined */
     double *l;      /* L below the diagonal, inverse(D) on it */
-    double *kept;   /* work: the tiles on the diagonal before anything was subtracted */
+    double *kept;   /* D; while it is made, the tiles on the diagonal before anything was subtracted */
     double *scaled; /* work: L D of one column */
 } yci_tiles;
 #define YCI_TILE (YCI_PANEL * YCI_PANEL)
-#define YCI_TILE_CONDITION 64.0
-#define YCI_TILE_LOSS 1e-7
+#define YCI_TILE_CONDITION 16.0
+#define YCI_TILE_LIMIT 1e4
+#define YCI_TILE_INDEFINITE 64.0
+#define YCI_TILE_LOSS 1e-6
 #define YCI_TILE_LEAST 1e-280
 
 /* Numbers that these columns take. */
@@ -2063,8 +2067,8 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile_update)(
 
 /* C := inverse(C) for a symmetric tile, whose negative goes to `minus`, by the sweep operator on pairs of rows: with B
  * the inverse of the pair's block K, rows and columns K become (-B, B C_K), the rest C - C_K' B C_K. Returns 0 when
- * that cannot be trusted (see yci_tiles). */
-YCI_TARGET YCI_INLINE int YCI_(yci_tile_invert)(double *c, const double *kept, int spd, double *minus) {
+ * that cannot be trusted, 2 when it is to be refined, or else 1 (see yci_tiles); `kept` becomes C. */
+YCI_TARGET YCI_INLINE int YCI_(yci_tile_invert)(double *c, double *kept, int spd, double *minus) {
     static const double hole[3 * YCI_PANEL] = {1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
     static const double unit[3 * YCI_PANEL] = {0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
     V a[YCI_PANEL][V_TILE_PART], least = V_SET(DBL_MAX), most = V_SET(0.0), sum = V_SET(0.0);
@@ -2081,7 +2085,7 @@ YCI_TARGET YCI_INLINE int YCI_(yci_tile_invert)(double *c, const double *kept, i
         if (spd) least = V_PICK(p, least, least, p);
         else { /* a pair that cancels cannot be seen in what comes of all of them */
             V size = V_FMA(q, q, V_ABS(V_MUL(p, r)));
-            low = V_PICK(size, V_MUL(low, V_SET(YCI_TILE_CONDITION)), V_SET(0.0), low);
+            low = V_PICK(size, V_MUL(low, V_SET(YCI_TILE_INDEFINITE)), V_SET(0.0), low);
         }
         least = V_PICK(low, least, least, low), most = V_PICK(low, most, low, most);
         p = V_MUL(p, inverse), q = V_MUL(q, inverse), r = V_MUL(r, inverse); /* first, so that no product underflows */
@@ -2105,16 +2109,17 @@ YCI_TARGET YCI_INLINE int YCI_(yci_tile_invert)(double *c, const double *kept, i
     YCI_UNROLL
     for (j = 0; j < YCI_PANEL; j++) YCI_UNROLL
     for (i = 0; i < V_TILE_PART; i++) {
-        double *to = c + YCI_PANEL * j + V_W * i;
-        V before = V_ABS(V_LOAD(kept + YCI_PANEL * j + V_W * i));
-        sum = V_FMA(V_ABS(a[j][i]), V_FMA(before, V_SET(YCI_TILE_LOSS), V_ABS(V_LOAD(to))), sum);
-        V_STORE(minus + YCI_PANEL * j + V_W * i, a[j][i]), V_STORE(to, V_SUB(V_SET(0.0), a[j][i]));
+        double *to = c + YCI_PANEL * j + V_W * i, *before = kept + YCI_PANEL * j + V_W * i;
+        V x = V_LOAD(to);
+        sum = V_FMA(V_ABS(a[j][i]), V_FMA(V_ABS(V_LOAD(before)), V_SET(YCI_TILE_LOSS), V_ABS(x)), sum);
+        V_STORE(before, x), V_STORE(minus + (to - c), a[j][i]), V_STORE(to, V_SUB(V_SET(0.0), a[j][i]));
     }
     V_STORE(lane, sum);
     for (i = 0; i < V_W; i++) total += lane[i];
-    if (!(total <= YCI_TILE_CONDITION)) return 0;
+    if (!(total <= (spd ? YCI_TILE_LIMIT : YCI_TILE_INDEFINITE))) return 0;
     V_STORE(lane, least), V_STORE(extremes, most);
-    return lane[0] >= YCI_TILE_LEAST && extremes[0] <= 1.0 / YCI_TILE_LEAST;
+    if (!(lane[0] >= YCI_TILE_LEAST && extremes[0] <= 1.0 / YCI_TILE_LEAST)) return 0;
+    return total > YCI_TILE_CONDITION ? 2 : 1;
 }
 
 /* Subtracts from `count` targets the products of as many tiles of L with one of L D. */
@@ -2136,12 +2141,18 @@ YCI_TARGET static int YCI_(yci_tiles_factor)(const yci_tiles *t) {
     for (j = 0; j < t->blocks; j++) {
         double minus[YCI_PANEL * YCI_PANEL], *c = t->l + YCI_TILE * (size_t)t->begin[j], *w = t->scaled;
         int n = t->begin[j + 1] - t->begin[j] - 1;
-        if (!YCI_(yci_tile_invert)(c, t->kept + YCI_TILE * (size_t)j, t->spd, minus)) return 0;
+        double *kept = t->kept + YCI_TILE * (size_t)j;
+        int quality = YCI_(yci_tile_invert)(c, kept, t->spd, minus);
+        if (!quality) return 0;
+        t->refine[j] = quality == 2;
         for (a = 0, c += YCI_TILE; a < n; a++) {
-            const double *x = w + YCI_TILE * a;
-            double *to = c + YCI_TILE * a;
+            double rest[YCI_TILE], *to = c + YCI_TILE * a, *back = rest;
+            const double *x = w + YCI_TILE * a, *left = rest;
             YCI_(yci_tile_copy)(to, w + YCI_TILE * a);
             YCI_(yci_tile_update)(1, NULL, &x, minus, &to);
+            if (!t->refine[j]) continue;
+            YCI_(yci_tile_update)(1, &x, (const double *const *)&to, kept, &back); /* what L D leaves of it */
+            YCI_(yci_tile_update)(1, (const double *const *)&to, &left, minus, &to);
         }
         for (a = 0; a < n; a++) {
             for (b = a; n - b >= 3; b += 3, target += 3)
@@ -2164,9 +2175,32 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tiles_forward)(
     (YCI_PANEL, l, YCI_PANEL, (const V(*)[YCI_PANEL])x, y + YCI_PANEL * (size_t)row[k], ldy, count);
 }
 
-/* y := inverse(D) y - L' y in the rows of one column of tiles, from the last tile on: memory is read backwards. */
+/* z += P (y - C z): a step of refinement of z = P y. */
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_refine)(
+    const double *p, const double *c, const double *y, size_t ldy, V (*z)[V_TILE_PART], int count) {
+    V x[YCI_RIGHT][YCI_PANEL], change[YCI_RIGHT][V_TILE_PART];
+    double rest[YCI_RIGHT][YCI_PANEL];
+    int i, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++) V_STORE(rest[r] + V_W * i, z[r][i]);
+    YCI_(yci_spread_right)(rest[0], YCI_PANEL, x, count);
+    YCI_(yci_tile_times)(YCI_PANEL, c, YCI_PANEL, (const V(*)[YCI_PANEL])x, change, count);
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++)
+        V_STORE(rest[r] + V_W * i, V_SUB(V_LOAD(y + (size_t)r * ldy + V_W * i), change[r][i]));
+    YCI_(yci_spread_right)(rest[0], YCI_PANEL, x, count);
+    YCI_(yci_tile_times)(YCI_PANEL, p, YCI_PANEL, (const V(*)[YCI_PANEL])x, change, count);
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (i = 0; i < V_TILE_PART; i++) z[r][i] = V_ADD(z[r][i], change[r][i]);
+}
+
+/* y := inverse(D) y - L' y in the rows of one column of tiles, from the last tile on: memory is read backwards. `d` is
+ * its block of D if that is to be refined. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tiles_backward)(
-    int tiles, const double *l, const int *row, double *own, const double *y, size_t ldy, int count) {
+    int tiles, const double *l, const double *d, const int *row, double *own, const double *y, size_t ldy, int count) {
     V x[YCI_RIGHT][YCI_PANEL], z[YCI_RIGHT][V_TILE_PART], sum[YCI_RIGHT][V_TILE_PART];
     int i, k, q, r;
     YCI_UNROLL
@@ -2182,6 +2216,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tiles_backward)(
     }
     YCI_(yci_spread_right)(own, ldy, x, count);
     YCI_(yci_tile_times)(YCI_PANEL, l - YCI_TILE, YCI_PANEL, (const V(*)[YCI_PANEL])x, z, count);
+    if (d) YCI_(yci_tile_refine)(l - YCI_TILE, d, own, ldy, z, count);
     YCI_UNROLL
     for (r = 0; r < count; r++) YCI_UNROLL
     for (i = 0; i < V_TILE_PART; i++) V_STORE(own + (size_t)r * ldy + V_W * i, V_SUB(z[r][i], sum[r][i]));
@@ -2194,7 +2229,8 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tiles_solve_some)(const yci_tiles *t, double
     for (j = 0; j < blocks; j++) YCI_(yci_tiles_forward)
     (begin[j + 1] - begin[j] - 1, l + YCI_TILE * (size_t)begin[j], row + begin[j], y + YCI_PANEL * j, y, ldy, count);
     for (j = blocks - 1; j >= 0; j--) YCI_(yci_tiles_backward)
-    (begin[j + 1] - begin[j] - 1, l + YCI_TILE * (size_t)begin[j], row + begin[j], y + YCI_PANEL * j, y, ldy, count);
+    (begin[j + 1] - begin[j] - 1, l + YCI_TILE * (size_t)begin[j], t->refine[j] ? t->kept + YCI_TILE * (size_t)j : NULL,
+        row + begin[j], y + YCI_PANEL * j, y, ldy, count);
 }
 
 YCI_TARGET static void YCI_(yci_tiles_solve)(const yci_tiles *t, double *y, size_t ldy, int count) {
@@ -4264,7 +4300,7 @@ static void yci_ldl_untile(yci_ldl *f) {
     yci_context *c = f->c;
     yci_tiles *t = &f->tiles;
     yci_free(c, f->place), yci_free(c, f->move), yci_free(c, t->begin), yci_free(c, t->row), yci_free(c, t->target);
-    yci_free(c, t->l), yci_free(c, t->kept), yci_free(c, t->scaled);
+    yci_free(c, t->refine), yci_free(c, t->l), yci_free(c, t->kept), yci_free(c, t->scaled);
     f->place = NULL, f->move = NULL;
     memset(t, 0, sizeof *t);
 }
@@ -5113,7 +5149,8 @@ static int yci_ldl_tile(yci_ldl *f) {
         f->move = YCI_RAW(c, yci_ldl_move, values + (size_t)YCI_PANEL * (size_t)blocks);
         t->l = YCI_RAW(c, double, count *YCI_TILE), t->kept = YCI_RAW(c, double, blocks *YCI_TILE);
         t->scaled = YCI_RAW(c, double, most *YCI_TILE);
-        ok = t->target && f->move && t->l && t->kept && t->scaled;
+        t->refine = YCI_RAW(c, int, blocks);
+        ok = t->target && f->move && t->refine && t->l && t->kept && t->scaled;
     }
     if (ok && count) {
         yci_ldl_tile_targets(t, t->target);

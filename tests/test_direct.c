@@ -1148,6 +1148,24 @@ TEST(direct_tiles_ill_conditioned) {
     }
 }
 
+/* A chain of springs on a weak ground: tiles whose inverses are good for less than the factor's accuracy, and refined. */
+TEST(direct_tiles_refined) {
+    int which, k, refined = 0;
+    for (which = 0; which < 2; which++) {
+        yc_chol_kind kind = which ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
+        matrix m = matrix_open(CHAIN, 200, 1);
+        yc_chol *chol;
+        for (k = 0; k < m.n; k++) *entry(&m, k, k) = 2.01, k ? *entry(&m, k, k - 1) = -1.0 : 0.0;
+        chol = factored(NULL, &m, kind);
+        if (tile_limit && !which) CHECK(chol->ldl->tiled);
+        for (k = 0; chol->ldl->tiled && k < chol->ldl->tiles.blocks; k++) refined += chol->ldl->tiles.refine[k];
+        CHECK_NEAR(solve_error(&m, kind, 1), 0.0, 4e-16);
+        yc_chol_destroy(chol);
+        matrix_close(&m);
+    }
+    CHECK((refined > 0) == (tile_limit > 0));
+}
+
 /* Rows and columns of one tile from 2^-500 to 2^100: products of three entries underflow, and the solution is the same
  * to the last bit, but for its exponents. */
 TEST(direct_tiles_wide) {
