@@ -3519,7 +3519,7 @@ static int yci_order_patches(int n, const int *ptr, const int *col, int *index, 
     return count;
 }
 
-/* Whether neighbours are so far from each other in memory that it pays to renumber a graph that does not fit a cache. */
+/* Whether neighbours are so far from each other in memory that it pays to renumber a graph that fits no cache. */
 static int yci_order_far(int n, const int *ptr, const int *col) {
     double sum = 0.0;
     int i, count = 0;
@@ -3663,7 +3663,7 @@ static void yci_order_minimum_degree(int n, const int *dim, const int *ptr, cons
 typedef struct yci_dissect_graph {
     int n, total;          /* vertices, their weight */
     int *ptr, *col, *tied; /* neighbours without the vertex itself; how many edges each stands for (NULL: one) */
-    int *weight, *side;    /* side: 0, 1, or 2 in the separator */
+    int *weight, *side;    /* side: 0, 1, 2 in the separator, or 3 outside the part that is cut */
     int *map, *id;         /* the vertex of the coarser graph; the node of the graph that is dissected */
 } yci_dissect_graph;
 
@@ -3676,7 +3676,7 @@ typedef struct yci_dissect {
     int weight[3];                        /* of both sides and of the separator */
     int *stage, stages;                   /* per node; how many so far: those of a piece, with its separator last */
     int *fork;                            /* of a stage: the first one of the second side, -1: it was not cut */
-    int *guide;                           /* per node: its stage in the graph of stars */
+    int *guide;                           /* per vertex: its stage in the graph of stars */
 } yci_dissect;
 
 static int *yci_dissect_take(yci_dissect *d, int count) {
@@ -3783,24 +3783,25 @@ static void yci_dissect_push(yci_dissect *d, const yci_dissect_graph *g, int v, 
     yci_dissect_raise(d, v, d->heap_count++);
 }
 
-/* Vertex u comes from side `other` into the separator; its neighbours there gain by that. */
+/* Vertex u comes from side `other` into the separator and waits; its neighbours there gain by that. */
 static void yci_dissect_pull(yci_dissect *d, yci_dissect_graph *g, int u, int other) {
-    int k, w = g->weight[u];
+    int k, w = g->weight[u], gain = w;
     g->side[u] = 2, d->rim[d->rim_count++] = u;
     d->weight[other] -= w, d->weight[2] += w;
     for (k = g->ptr[u]; k < g->ptr[u + 1]; k++) {
         int x = g->col[k];
-        if (g->side[x] == 2 && d->place[x] >= 0) d->gain[x] += w, yci_dissect_raise(d, x, d->place[x]);
+        gain -= g->weight[x] & -(g->side[x] == other);
+        if (d->place[x] >= 0) d->gain[x] += w, yci_dissect_raise(d, x, d->place[x]);
     }
-    yci_dissect_push(d, g, u, other);
+    d->gain[u] = gain, yci_dissect_raise(d, u, d->heap_count++);
 }
 
 /* Moves vertices of the separator to side `to`, best first, and goes back to the best moment. Returns whether the
  * separator has become lighter. */
 static int yci_dissect_sweep(yci_dissect *d, yci_dissect_graph *g, int to) {
-    int other = 1 - to, most = (int)(YCI_DISSECT_BALANCE * g->total) + 1, moves = 0, best = 0, k, kept = 0;
+    int other = 1 - to, total = d->weight[0] + d->weight[1] + d->weight[2], moves = 0, best = 0, k, kept = 0;
     int patience = YCI_DISSECT_PATIENCE + d->rim_count, least = d->weight[2], before = least,
-        apart = abs(d->weight[0] - d->weight[1]);
+        most = (int)(YCI_DISSECT_BALANCE * total) + 1, apart = abs(d->weight[0] - d->weight[1]);
     for (k = 0, d->heap_count = 0; k < d->rim_count; k++) yci_dissect_push(d, g, d->rim[k], other);
     while (d->heap_count && moves - best < patience) {
         int v = yci_dissect_pop(d), w = g->weight[v], now;
@@ -3828,15 +3829,21 @@ static int yci_dissect_sweep(yci_dissect *d, yci_dissect_graph *g, int to) {
     return least < before;
 }
 
-/* Collects the separator and weighs the parts. What touches one side only leaves it for that side at once: a separator
- * that comes from a coarser graph is several vertices thick. */
-static void yci_dissect_thin(yci_dissect *d, yci_dissect_graph *g) {
-    int i, k, seen = 0;
+/* Collects the separator and weighs the parts. */
+static void yci_dissect_collect(yci_dissect *d, const yci_dissect_graph *g) {
+    int i;
     d->rim_count = 0, d->weight[0] = d->weight[1] = d->weight[2] = 0;
     for (i = 0; i < g->n; i++) {
         d->weight[g->side[i]] += g->weight[i];
-        d->rim[seen] = i, seen += g->side[i] == 2;
+        d->rim[d->rim_count] = i, d->rim_count += g->side[i] == 2;
     }
+}
+
+/* What touches one side only leaves the separator for that side at once: a separator that comes from a coarser graph is
+ * several vertices thick. */
+static void yci_dissect_thin(yci_dissect *d, yci_dissect_graph *g) {
+    int i, k, seen = d->rim_count;
+    d->rim_count = 0;
     for (i = 0; i < seen; i++) {
         int v = d->rim[i], to, touched = 0;
         for (k = g->ptr[v]; k < g->ptr[v + 1]; k++) touched |= 1 << g->side[g->col[k]];
@@ -3880,7 +3887,7 @@ static void yci_dissect_cut(yci_dissect *d, yci_dissect_graph *g) {
     } else {
         for (trial = 0; trial < YCI_DISSECT_TRIES; trial++) {
             yci_dissect_grow(d, g, (int)((double)g->n * trial / YCI_DISSECT_TRIES));
-            yci_dissect_refine(d, g);
+            yci_dissect_collect(d, g), yci_dissect_refine(d, g);
             if (d->weight[2] < best) {
                 best = d->weight[2];
                 for (i = 0; i < g->n; i++) d->best[i] = g->side[i];
@@ -3888,7 +3895,7 @@ static void yci_dissect_cut(yci_dissect *d, yci_dissect_graph *g) {
         }
         for (i = 0; i < g->n; i++) g->side[i] = d->best[i];
     }
-    yci_dissect_refine(d, g);
+    yci_dissect_collect(d, g), yci_dissect_refine(d, g);
 }
 
 /* The part of g on one side. */
@@ -3931,27 +3938,32 @@ static void yci_dissect_split(yci_dissect *d, yci_dissect_graph *g) {
     d->fork[d->stages++] = cut ? fork : -1;
 }
 
-/* Cuts g as the graph of stars was cut below stage s, but along improved separators. What an improvement further up has
- * moved here from a separator begins in the separator. */
-static void yci_dissect_follow(yci_dissect *d, yci_dissect_graph *g, int s) {
-    yci_dissect_graph part;
-    int used = d->used, side, i, fork = d->fork[s];
-    for (i = 0; i < g->n; i++) {
-        int guide = d->guide[g->id[i]];
-        d->stage[g->id[i]] = s, g->side[i] = guide < fork ? 0 : guide < s ? 1 : 2;
+/* Cuts the vertices in `list` as the graph of stars was cut below stage s, but along improved separators; all others of
+ * g are outside. What an improvement further up has moved here from a separator begins in the separator. */
+static void yci_dissect_follow(yci_dissect *d, yci_dissect_graph *g, int *list, int count, int s) {
+    int i, fork = d->fork[s], first = 0, second = 0, *apart = d->best;
+    d->rim_count = 0, d->weight[0] = d->weight[1] = d->weight[2] = 0;
+    for (i = 0; i < count; i++) d->stage[g->id[list[i]]] = s;
+    for (i = 0; fork >= 0 && i < count; i++) {
+        int v = list[i], guide = d->guide[v], side = guide < fork ? 0 : guide < s ? 1 : 2;
+        g->side[v] = side, d->weight[side] += g->weight[v];
+        d->rim[d->rim_count] = v, d->rim_count += side == 2;
     }
     if (fork < 0) return;
     yci_dissect_refine(d, g);
-    for (side = 0; side < 2; side++) {
-        if (yci_dissect_extract(d, g, side, &part)) yci_dissect_follow(d, &part, side ? s - 1 : fork - 1);
-        d->used = used;
+    for (i = 0; i < count; i++) {
+        int v = list[i], side = g->side[v];
+        list[first] = v, first += side == 0, apart[second] = v, second += side == 1, g->side[v] = 3;
     }
+    memcpy(list + first, apart, (size_t)second * sizeof *list);
+    yci_dissect_follow(d, g, list, first, fork - 1);
+    yci_dissect_follow(d, g, list + first, second, s - 1);
 }
 
 /* By way of the graph of stars, if there is one. */
 static void yci_dissect_guided(yci_dissect *d, yci_dissect_graph *g) {
     yci_dissect_graph coarse;
-    int *stage = d->stage, i;
+    int *stage = d->stage, *list = g->map, i;
     if (g->n <= YCI_DISSECT_LEAF || !yci_dissect_coarsen(d, g, &coarse)) {
         yci_dissect_split(d, g);
         return;
@@ -3959,8 +3971,8 @@ static void yci_dissect_guided(yci_dissect *d, yci_dissect_graph *g) {
     for (i = 0; i < coarse.n; i++) coarse.id[i] = i;
     d->stage = yci_dissect_take(d, coarse.n);
     yci_dissect_split(d, &coarse);
-    for (i = 0; i < g->n; i++) d->guide[g->id[i]] = d->stage[g->map[i]];
-    d->stage = stage, yci_dissect_follow(d, g, d->stages - 1);
+    for (i = 0; i < g->n; i++) d->guide[i] = d->stage[g->map[i]], list[i] = i;
+    d->stage = stage, yci_dissect_follow(d, g, list, g->n, d->stages - 1);
 }
 
 /* The whole graph, without nodes that have no unknowns or very many neighbours; those make the last stage. */
