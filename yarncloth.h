@@ -3082,7 +3082,9 @@ YC_API double yc_lu_rcond(const yc_lu *lu) {
  * % of 10,000 to 100,000 vertices. Amalgamation is flat around the costs below; padding pays in the solves of small
  * matrices. Solves fetch L 16 KB ahead: 1.3 to 1.6 from 10,000 blocks of three up, at 4 % of the time of the smallest.
  * Unit triangles shorten the chain of a solve to one operation per column. Dissection saves a quarter of the operations
- * of 10,000 blocks of three.
+ * of 10,000 blocks of three. Analyses of large patterns are bound by memory: that ordering and build share one room,
+ * and entries are sorted once at the end instead of following each renumbering, made those of 100,000 vertices 1.3 to
+ * 1.7 times as fast.
  *
  * Promises. Analysis is done once per pattern. The first factorisation makes room for L and for all update matrices
  * that can be alive at once, whose places the analysis has fixed; later ones and solves allocate nothing. Subtrees are
@@ -3607,8 +3609,8 @@ static size_t yci_order_room(int n, const int *ptr) {
 }
 
 /* Fills `order` with all n nodes, and the arrays of `fronts` (n each). With `stage` (numbers from 0 to n - 1; it may be
- * `order` itself), every node of a stage comes before those of higher ones. Works on a copy that is sorted by stages or,
- * if neighbours are far from each other, numbered by patches: most steps then stay within the cache. */
+ * `order` itself), every node of a stage comes before those of higher ones. Works on a copy that is sorted by stages
+ * or, if neighbours are far from each other, numbered by patches: most steps then stay within the cache. */
 static void yci_order_minimum_degree(int n, const int *dim, const int *ptr, const int *col, const int *stage,
     int *order, yci_order_fronts *fronts, int *room) {
     yci_order_graph g;
@@ -5449,7 +5451,7 @@ static void yci_chol_scan(yci_chol_blocks *m, int nodes, const int *shared, int 
     m->begin[nodes] = m->count;
 }
 
-/* The number of blocks if they are single values and hold all of the diagonal: entries are as good then. Otherwise 0. */
+/* The number of blocks if they are single values and hold all of the diagonal, or else 0: entries are as good then. */
 static size_t yci_chol_plain(const yc_chol *chol, const int *ptr, const int *col) {
     size_t count = 0;
     int i, k;
