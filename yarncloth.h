@@ -225,7 +225,8 @@ typedef struct yc_chol_options {
     const int *stage;
     /* YC_CHOL_QUASIDEFINITE: what a pivot block without an inverse has added to its diagonal, away from zero, in the
      * matrix's unit; >= 0. The factor is then that of a nearby matrix: see yc_chol_refine, and `shifted` in the
-     * statistics. Default 0: such a block is an error. */
+     * statistics. Default 0: such a block is an error. Small matrices may do without either where the library
+     * eliminates the block together with its neighbours. */
     double shift;
 } yc_chol_options;
 
@@ -233,8 +234,8 @@ typedef struct yc_chol_options {
 YC_API void yc_chol_options_default(yc_chol_options *options);
 
 typedef struct yc_chol_statistics {
-    double nonzeros; /* numbers in L with its diagonal, with the padding of supernodes */
-    double flops;    /* additions and multiplications of one factorisation */
+    double nonzeros; /* numbers in L with its diagonal, with the padding of supernodes (small factors: without more) */
+    double flops;    /* additions and multiplications of one factorisation by supernodes */
     int supernodes;
     int pivots;   /* unknowns that the last factorisation eliminated: n, or how far it came before it failed */
     int shifted;  /* nodes that it had to shift */
@@ -1234,8 +1235,8 @@ typedef struct yci_trapezoid {
  * measured by the sum of |C_ij P_ij| (for positive definite C, at least an eighth of the condition that scaling leaves)
  * and YCI_TILE_LOSS times that with what C came from. Above YCI_TILE_CONDITION, what is multiplied by P is refined once
  * (a mass matrix stays at 10, where 8 is the least). Above YCI_TILE_LIMIT, or YCI_TILE_INDEFINITE, the tile is refused;
- * so is a pair of pivots that is not positive definite (spd) or else as ill-conditioned by itself, which the ones behind
- * it may undo in P but not in its errors, or whose determinant is near what underflows. */
+ * so is a pair of pivots that is not positive definite (spd) or else as ill-conditioned by itself, which the ones
+ * behind it may undo in P but not in its errors, or whose determinant is near what underflows. */
 typedef struct yci_tiles {
     int blocks, spd;
     int *begin;     /* blocks + 1: first tile of every column, the one on the diagonal */
@@ -3255,23 +3256,29 @@ YC_API double yc_lu_rcond(const yc_lu *lu) {
  * (F11, F21) is the supernode's panel and stays as L; the update matrix F22 is added into the parent's front. With a
  * positive definite matrix D = I, and L is its Cholesky factor. Otherwise D has one block per node, inverted with
  * pivoting inside the block, so pairs [[0 g],[g -k]] of a quasi-definite matrix are stable in any order; L then has
- * unit blocks, and inverse(D) lies beside it.
+ * unit blocks, and inverse(D) lies beside it. A front that is done is packed in the order in which solves read it.
+ *
+ * Small factors (at most YCI_LDL_TILES tiles of 8 x 8) are made in tiles instead, L D L' with D of whole tiles: see
+ * yci_tiles. Whatever these cannot do, and every failure, is left to the fronts, so that there is one account of
+ * errors.
  *
  * Measured on one core with AVX-512 (meshes of 100 to 100,000 vertices, 1 and 3 unknowns per vertex; make
  * bench-direct). Children's update matrices are expanded by masks of eight rows; adding them while a group of columns
  * is still in the first cache gained nothing. An update matrix is written by the product and never zeroed. Runs of
  * values go straight into the panels; fetching them ahead, and expanding four columns at a time, together saved 4 to 9
- * % of 10,000 to 100,000 vertices. Amalgamation is flat around the costs below; padding pays in the solves of small
- * matrices. Solves fetch L 16 KB ahead: 1.3 to 1.6 from 10,000 blocks of three up, at 4 % of the time of the smallest.
- * Unit triangles shorten the chain of a solve to one operation per column. Dissection saves a quarter of the operations
- * of 10,000 blocks of three. Analyses of large patterns are bound by memory: that ordering and build share one room,
- * and entries are sorted once at the end instead of following each renumbering, made those of 100,000 vertices 1.3 to
- * 1.7 times as fast.
+ * % of 10,000 to 100,000 vertices. Amalgamation is flat around the costs below. Packing costs 7 % of a factorisation of
+ * 10,000 unknowns, and solves gain 1.1 (1 unknown per vertex) to 1.4 (3, or out of memory) by constant shapes and by
+ * memory read in one direction; they fetch L 16 KB ahead, which is worth 1.3 on 100,000 vertices. Tiles halve the time
+ * of solves with 100 to 1,000 unknowns, and a quarter to a half off factorisations of up to 500; a matrix of 1,000
+ * unknowns costs the same either way. Reading them backwards in a backward solve is worth a third. Dissection saves a
+ * quarter of the operations of 10,000 blocks of three. Analyses of large patterns are bound by memory: that ordering and
+ * build share one room, and entries are sorted once at the end instead of following each renumbering, made those of
+ * 100,000 vertices 1.3 to 1.7 times as fast.
  *
  * Promises. Analysis is done once per pattern. The first factorisation makes room for L and for all update matrices
- * that can be alive at once, whose places the analysis has fixed; later ones and solves allocate nothing. Subtrees are
- * factored at the same time where the host has threads; the bits are the same for any worker count. Solves on one
- * factor may run at the same time with different work arrays.
+ * that can be alive at once, whose places the analysis has fixed, and for tiles; later ones and solves allocate
+ * nothing. Subtrees are factored at the same time where the host has threads; the bits are the same for any worker
+ * count. Solves on one factor may run at the same time with different work arrays.
  * ===================================================================================================================== */
 
 typedef struct yci_bsr {
@@ -5025,7 +5032,7 @@ static int yci_ldl_columns(yci_ldl *f, const double *value) {
     return bad;
 }
 
-/* ------------------------------------------------------------------------------------ direct: small ones in tiles --- */
+/* ---------------------------------------------------------------------------------- direct: small ones in tiles --- */
 
 /* Gives every unknown its place, each supernode beginning with a tile. Returns 0 where a node's pivot block would be
  * taken apart by the pairs in which tiles are inverted. */

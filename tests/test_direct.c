@@ -1148,7 +1148,7 @@ TEST(direct_tiles_ill_conditioned) {
     }
 }
 
-/* A chain of springs on a weak ground: tiles whose inverses are good for less than the factor's accuracy, and refined. */
+/* A chain of springs on a weak ground, whose tiles have inverses that are not accurate enough and are refined. */
 TEST(direct_tiles_refined) {
     int which, k, refined = 0;
     for (which = 0; which < 2; which++) {
