@@ -3725,7 +3725,7 @@ static int yci_order_fill(yci_order_graph *g, const int *dim, const int *ptr, co
     int limit = yci_order_limit(g->n), divisor = 0, plain = 1, used = 0, i, k;
     for (i = 0; i < g->n; i++) {
         int a = dim[i], b = divisor;
-        while (b) k = a % b, a = b, b = k;
+        while (b && a != b) k = a % b, a = b, b = k;
         divisor = a;
     }
     g->unit = divisor;
@@ -4624,16 +4624,16 @@ static void yci_ldl_sort_edges(const yci_ldl_plan *t, const yci_ldl_entries *giv
     for (i = -1; i < t->active; i++) end[i] = 0;
     for (i = 0; i < t->n; i++)
         for (k = given->begin[i]; k < given->begin[i + 1] && node[k] <= i; k++)
-            j = pos[node[k]], end[j < pos[i] ? j : pos[i]]++;
+            j = pos[node[k]], end[j + ((pos[i] - j) & -(pos[i] < j))]++;
     for (i = 0, end[-1] = 0; i < t->active; i++) sum += end[i], end[i] = sum - end[i];
     for (i = 0; i < t->n; i++) {
         int to = pos[i];
         for (k = given->begin[i]; to >= 0 && k < given->begin[i + 1] && node[k] <= i; k++) {
-            int run = given->first_run ? given->first_run[k] : k, flip, from = pos[node[k]];
+            int run = given->first_run ? given->first_run[k] : k, from = pos[node[k]], flip = from > to;
+            int column = from + ((to - from) & -flip); /* the lesser, without a jump */
             yci_ldl_edge *edge;
             if (from < 0) continue;
-            flip = from > to, edge = m->edge + end[flip ? to : from]++;
-            edge->row = flip ? from : to, edge->run = run ^ -flip;
+            edge = m->edge + end[column]++, edge->row = from + to - column, edge->run = run ^ -flip;
         }
     }
 }
