@@ -3264,20 +3264,22 @@ YC_API double yc_lu_rcond(const yc_lu *lu) {
  *
  * Measured on one core with AVX-512 (meshes of 100 to 100,000 vertices, 1 and 3 unknowns per vertex; make
  * bench-direct).
- * - Children's update matrices are expanded by masks of eight rows; adding them while a group of columns is still in the
- *   first cache gained nothing. An update matrix is written by the product and never zeroed. Runs of values go straight
- *   into the panels; fetching them ahead, and expanding four columns at a time, together saved 4 to 9 % of 10,000 to
- *   100,000 vertices. Amalgamation is flat around the costs below.
- * - Packing costs 7 % of a factorisation of 10,000 unknowns, and solves gain 1.1 (1 unknown per vertex) to 1.4 (3, or out
- *   of memory) by constant shapes and by memory read in one direction. They fetch L 16 KB ahead, worth 1.3 at 100,000.
- * - Tiles halve the time of solves with 100 to 1,000 unknowns, and take a quarter to a half off factorisations of up to
- *   500; with 1,000 unknowns these cost the same either way. A backward solve that reads them backwards gains a third.
- * - Dissection saves a quarter of the operations of 10,000 blocks of three. Minimum degree through windows of near nodes
- *   halves the analysis of 100,000 vertices in random order, which cache misses and page faults bound; ordering and
- *   build share one room, and entries are sorted once at the end instead of following each renumbering.
- * - A build without flags is as fast as -O3 -march=native (geometric mean of 7 matrices .96 to .98 for factorisations and
- *   solves). AVX2 takes 1.6 times as long to factor and 1.2 to solve, SSE2 3.8 and 1.6. Two workers factor 10,000 to
- *   50,000 blocks of three 1.4 to 1.6 times as fast as one.
+ * - Children's update matrices are expanded by masks of eight rows; adding them while a group of columns is still in
+ *   the first cache gained nothing. An update matrix is written by the product and never zeroed. Runs of values go
+ *   straight into the panels; fetching them ahead, and expanding four columns at a time, together saved 4 to 9 % of
+ *   10,000 to 100,000 vertices. Amalgamation is flat around the costs below.
+ * - Packing costs 7 % of a factorisation of 10,000 unknowns, and solves gain 1.1 (1 unknown per vertex) to 1.4 (3, or
+ *   out of memory) by constant shapes and by memory read in one direction. They fetch L 16 KB ahead, worth 1.3 at
+ *   100,000.
+ * - Tiles halve the time of solves with 100 to 1,000 unknowns, and take a quarter to a half off factorisations of up
+ *   to 500; with 1,000 unknowns these cost the same either way. A backward solve that reads them backwards gains a
+ *   third.
+ * - Dissection saves a quarter of the operations of 10,000 blocks of three. Minimum degree through windows of near
+ *   nodes halves the analysis of 100,000 vertices in random order, which cache misses and page faults bound; ordering
+ *   and build share one room, and entries are sorted once at the end instead of following each renumbering.
+ * - A build without flags is as fast as -O3 -march=native (geometric mean of 7 matrices .96 to .98 for factorisations
+ *   and solves). AVX2 takes 1.6 times as long to factor and 1.2 to solve, SSE2 3.8 and 1.6. Two workers factor 10,000
+ *   to 50,000 blocks of three 1.4 to 1.6 times as fast as one.
  *
  * Promises. Analysis is done once per pattern. The first factorisation makes room for L and for all update matrices
  * that can be alive at once, whose places the analysis has fixed, and for tiles; later ones and solves allocate
