@@ -234,7 +234,7 @@ typedef struct yc_chol_options {
 YC_API void yc_chol_options_default(yc_chol_options *options);
 
 typedef struct yc_chol_statistics {
-    double nonzeros; /* numbers in L with its diagonal, with the padding of supernodes (small factors: without more) */
+    double nonzeros; /* numbers in L with its diagonal, with the padding of supernodes; small factors take more */
     double flops;    /* additions and multiplications of one factorisation by supernodes */
     int supernodes;
     int pivots;   /* unknowns that the last factorisation eliminated: n, or how far it came before it failed */
@@ -1899,10 +1899,6 @@ YCI_TARGET YCI_INLINE void YCI_(yci_corner_backward)(
     for (i = 0; i < YCI_PANEL; i++) x[(size_t)r * ldx + (size_t)i] = v[r][i];
 }
 
-/* Ones, and then as many zeros: YCI_FIRST + YCI_PANEL - n lets n numbers through. */
-#define YCI_FIRST YCI_(yci_first)
-static const double YCI_FIRST[2 * YCI_PANEL] = {1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0};
-
 YCI_TARGET YCI_INLINE void YCI_(yci_ahead)(const double *l) {
     int i;
     YCI_UNROLL
@@ -1965,6 +1961,7 @@ YCI_TARGET static void YCI_(yci_forward)(
 /* Backward through the panel that ends at l. Returns where it begins. */
 YCI_TARGET YCI_INLINE const double *YCI_(yci_panel_backward)(
     int n, int rows, const double *l, double *z, size_t ldz, int count) {
+    static const double first[2 * YCI_PANEL] = {1, 1, 1, 1, 1, 1, 1, 1}; /* lets n through from YCI_PANEL - n on */
     V sum[YCI_RIGHT][V_TILE_PART];
     double taken[YCI_RIGHT][YCI_PANEL];
     const double *end = l;
@@ -1993,8 +1990,7 @@ YCI_TARGET YCI_INLINE const double *YCI_(yci_panel_backward)(
     YCI_UNROLL
     for (r = 0; r < count; r++) YCI_UNROLL
     for (i = 0; i < V_TILE_PART; i++)
-        V_STORE(
-            taken[r] + V_W * i, V_PICK(V_LOAD(YCI_FIRST + YCI_PANEL - n + V_W * i), V_SET(0.5), sum[r][i], V_SET(0.0)));
+        V_STORE(taken[r] + V_W * i, V_PICK(V_LOAD(first + YCI_PANEL - n + V_W * i), V_SET(0.5), sum[r][i], V_SET(0.0)));
     YCI_(yci_corner_backward)(l, (const double(*)[YCI_PANEL])taken, z, ldz, count);
     return l;
 }
@@ -2070,8 +2066,8 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile_update)(
  * the inverse of the pair's block K, rows and columns K become (-B, B C_K), the rest C - C_K' B C_K. Returns 0 when
  * that cannot be trusted, 2 when it is to be refined, or else 1 (see yci_tiles); `kept` becomes C. */
 YCI_TARGET YCI_INLINE int YCI_(yci_tile_invert)(double *c, double *kept, int spd, double *minus) {
-    static const double hole[3 * YCI_PANEL] = {1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1, 1};
-    static const double unit[3 * YCI_PANEL] = {0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0};
+    static const double hole[2 * YCI_PANEL] = {1, 1, 1, 1, 1, 1, 1, 1, 0, 0, 1, 1, 1, 1, 1, 1};
+    static const double unit[2 * YCI_PANEL] = {0, 0, 0, 0, 0, 0, 0, 0, -1, 0, 0, 0, 0, 0, 0, 0};
     V a[YCI_PANEL][V_TILE_PART], least = V_SET(DBL_MAX), most = V_SET(0.0), sum = V_SET(0.0);
     double lane[V_W], extremes[V_W], total = 0.0;
     int i, j, k;
@@ -2140,7 +2136,7 @@ YCI_TARGET static int YCI_(yci_tiles_factor)(const yci_tiles *t) {
     for (j = 0; j < t->blocks; j++)
         YCI_(yci_tile_copy)(t->l + YCI_TILE * (size_t)t->begin[j], t->kept + YCI_TILE * (size_t)j);
     for (j = 0; j < t->blocks; j++) {
-        double minus[YCI_PANEL * YCI_PANEL], *c = t->l + YCI_TILE * (size_t)t->begin[j], *w = t->scaled;
+        double minus[YCI_TILE], *c = t->l + YCI_TILE * (size_t)t->begin[j], *w = t->scaled;
         int n = t->begin[j + 1] - t->begin[j] - 1;
         double *kept = t->kept + YCI_TILE * (size_t)j;
         int quality = YCI_(yci_tile_invert)(c, kept, t->spd, minus);
@@ -2782,7 +2778,6 @@ static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product
 #undef V_FNMA1
 #undef V_TILE_PART
 #undef V_PREFETCH
-#undef YCI_FIRST
 #undef V_ALL_ROWS
 #undef V_COUNT
 #undef V_LOAD_PART
@@ -3134,47 +3129,36 @@ static void yci_lu_exchange(const yc_lu *lu, int i, double *x) {
     x[i] = x[lu->pivot[i]], x[lu->pivot[i]] = value;
 }
 
-/* x := inverse(A) x, YCI_RIGHT at a time so that the factor is read once for them. */
-static void yci_lu_solve_all(const yc_lu *lu, double *x, int count, int ldx) {
+/* x := inverse(A) x = inverse(U) inverse(L) P x, or of the transpose, P' inverse(L') inverse(U') x; YCI_RIGHT at a
+ * time, so that the factor is read once for them. */
+static void yci_lu_solve_all(const yc_lu *lu, int transposed, double *x, int count, int ldx) {
     int i, k, some;
 #ifdef YC_USE_LAPACK
-    yci_lu_lapack_solve(lu, "N", x, &count, ldx);
+    yci_lu_lapack_solve(lu, transposed ? "T" : "N", x, &count, ldx);
 #endif
     for (; count > 0; count -= some, x += (size_t)some * (size_t)ldx) {
-        some = count < YCI_RIGHT ? count : YCI_RIGHT;
-        for (k = 0; k < some; k++) {
+        some = yci_min_int(count, YCI_RIGHT);
+        for (k = 0; !transposed && k < some; k++)
             for (i = 0; i < lu->n; i++) yci_lu_exchange(lu, i, x + (size_t)k * (size_t)ldx);
-            if (lu->plain) yci_lu_plain(lu, x + (size_t)k * (size_t)ldx);
-        }
-        if (!lu->plain) lu->kernels->solve(lu->n, lu->f, lu->ld, lu->corner, lu->inverse, x, (size_t)ldx, some);
-    }
-}
-
-/* x := inverse(A') x = P' inverse(L') inverse(U') x. */
-static void yci_lu_solve_all_transposed(const yc_lu *lu, double *x, int count, int ldx) {
-    int i, k, some;
-#ifdef YC_USE_LAPACK
-    yci_lu_lapack_solve(lu, "T", x, &count, ldx);
-#endif
-    for (; count > 0; count -= some, x += (size_t)some * (size_t)ldx) {
-        some = count < YCI_RIGHT ? count : YCI_RIGHT;
-        if (!lu->plain) lu->kernels->solve_transposed(lu->n, lu->f, lu->ld, lu->inverse, x, (size_t)ldx, some);
-        for (k = 0; k < some; k++) {
-            if (lu->plain) yci_lu_plain_transposed(lu, x + (size_t)k * (size_t)ldx);
+        for (k = 0; lu->plain && k < some; k++)
+            (transposed ? yci_lu_plain_transposed : yci_lu_plain)(lu, x + (size_t)k * (size_t)ldx);
+        if (!lu->plain && transposed)
+            lu->kernels->solve_transposed(lu->n, lu->f, lu->ld, lu->inverse, x, (size_t)ldx, some);
+        else if (!lu->plain) lu->kernels->solve(lu->n, lu->f, lu->ld, lu->corner, lu->inverse, x, (size_t)ldx, some);
+        for (k = 0; transposed && k < some; k++)
             for (i = lu->n - 1; i >= 0; i--) yci_lu_exchange(lu, i, x + (size_t)k * (size_t)ldx);
-        }
     }
 }
 
 YC_API yc_result yc_lu_solve(const yc_lu *lu, double *x, int count, int ldx) {
     if (!lu || !lu->factored || count < 0 || ldx < lu->n || (count && lu->n && !x)) return YC_ERROR_ARGUMENT;
-    yci_lu_solve_all(lu, x, count, ldx);
+    yci_lu_solve_all(lu, 0, x, count, ldx);
     return YC_OK;
 }
 
 YC_API yc_result yc_lu_solve_transposed(const yc_lu *lu, double *x, int count, int ldx) {
     if (!lu || !lu->factored || count < 0 || ldx < lu->n || (count && lu->n && !x)) return YC_ERROR_ARGUMENT;
-    yci_lu_solve_all_transposed(lu, x, count, ldx);
+    yci_lu_solve_all(lu, 1, x, count, ldx);
     return YC_OK;
 }
 
@@ -3208,23 +3192,23 @@ YC_API double yc_lu_rcond(const yc_lu *lu) {
     n = lu->n, x = lu->work, z = lu->work + n;
     if (n == 0) return 1.0;
     for (i = 0; i < n; i++) x[i] = 1.0 / n;
-    yci_lu_solve_all(lu, x, 1, n);
+    yci_lu_solve_all(lu, 0, x, 1, n);
     estimate = yci_dense_norm1(n, x);
     for (round = 0; round < 5; round++) {
         double sum;
         for (i = 0; i < n; i++) z[i] = x[i] < 0.0 ? -1.0 : 1.0;
-        yci_lu_solve_all_transposed(lu, z, 1, n);
+        yci_lu_solve_all(lu, 1, z, 1, n);
         for (best = 0, j = 1; j < n; j++)
             if (fabs(z[j]) > fabs(z[best])) best = j;
         if (best == last) break;
         for (i = 0; i < n; i++) x[i] = i == best ? 1.0 : 0.0;
-        yci_lu_solve_all(lu, x, 1, n);
+        yci_lu_solve_all(lu, 0, x, 1, n);
         sum = yci_dense_norm1(n, x);
         if (!(sum > estimate)) break;
         estimate = sum, last = best;
     }
     for (i = 0; i < n; i++) x[i] = (i % 2 ? -1.0 : 1.0) * (1.0 + (n > 1 ? (double)i / (n - 1) : 0.0));
-    yci_lu_solve_all(lu, x, 1, n);
+    yci_lu_solve_all(lu, 0, x, 1, n);
     alternative = 2.0 * yci_dense_norm1(n, x) / (3.0 * n);
     estimate = yci_max(estimate, alternative);
     return estimate <= DBL_MAX && estimate * lu->norm > 0.0 ? 1.0 / (estimate * lu->norm) : 0.0;
@@ -5042,19 +5026,20 @@ static int yci_ldl_columns(yci_ldl *f, const double *value) {
 
 /* Gives every unknown its place, each supernode beginning with a tile. Returns 0 where a node's pivot block would be
  * taken apart by the pairs in which tiles are inverted. */
-static int yci_ldl_places(const yci_ldl *f, int *place) {
+static int yci_ldl_places(yci_ldl *f) {
     int s, i, at = 0;
     for (s = 0; s < f->supers; s++, at = (at + YCI_PANEL - 1) / YCI_PANEL * YCI_PANEL)
         for (i = f->super[s].first; i < f->super[s + 1].first; i++, at++) {
             if (!f->spd && (f->dim[i] > 2 || (f->dim[i] == 2 && at % 2))) return 0;
-            place[i] = at;
+            f->place[i] = at;
         }
     return 1;
 }
 
 /* The columns of tiles. Those of one supernode have the same rows of tiles, since what a row of a front meets is in the
- * front of every other of its rows. Returns the number of tiles, 0 when they are more than `limit`. */
-static int yci_ldl_tile_columns(const yci_ldl *f, const int *place, int limit, yci_tiles *t, int *list) {
+ * front of every other of its rows. Returns the number of tiles, 0 when there are too many. `list` is work. */
+static int yci_ldl_tile_columns(yci_ldl *f, int *list) {
+    yci_tiles *t = &f->tiles;
     int s, i, q, used = 0;
     t->blocks = 0;
     for (s = 0; s < f->supers; s++) {
@@ -5062,11 +5047,11 @@ static int yci_ldl_tile_columns(const yci_ldl *f, const int *place, int limit, y
         int count = 0, own = (u->width + YCI_PANEL - 1) / YCI_PANEL;
         for (i = 0; i < own; i++) list[count++] = t->blocks + i;
         for (i = 0; i < u->height - u->width; i++) {
-            int tile = place[f->row[u->row + i]] / YCI_PANEL;
+            int tile = f->place[f->row[u->row + i]] / YCI_PANEL;
             if (tile != list[count - 1]) list[count++] = tile;
         }
         for (q = 0; q < own; used += count - q, q++) {
-            if (count - q > limit - used) return 0;
+            if (count - q > YCI_LDL_TILES - used) return 0;
             t->begin[t->blocks++] = used;
             memcpy(t->row + used, list + q, (size_t)(count - q) * sizeof *list);
         }
@@ -5090,7 +5075,8 @@ static size_t yci_ldl_tile_targets(const yci_tiles *t, int *target) {
 }
 
 /* Where the values go; those on the diagonal's tiles, which are stored whole, to both places. `at` is work. */
-static int yci_ldl_tile_moves(const yci_ldl *f, const yci_tiles *t, int *at, yci_ldl_move *move) {
+static int yci_ldl_tile_moves(const yci_ldl *f, int *at, yci_ldl_move *move) {
+    const yci_tiles *t = &f->tiles;
     const int *place = f->place;
     int s, k, i, a, used = 0;
     for (s = 0; s < f->supers; s++) {
@@ -5117,13 +5103,13 @@ static int yci_ldl_tile_moves(const yci_ldl *f, const yci_tiles *t, int *at, yci
 }
 
 /* The ones that stand on the diagonal where no unknown does. */
-static int yci_ldl_tile_ones(const yci_ldl *f, const int *place, const yci_tiles *t, yci_ldl_move *move) {
+static int yci_ldl_tile_ones(const yci_ldl *f, yci_ldl_move *move) {
     int s, used = 0;
     for (s = 0; s < f->supers; s++) {
-        int at = place[f->super[s + 1].first - 1] + 1;
+        int at = f->place[f->super[s + 1].first - 1] + 1;
         for (; at % YCI_PANEL; at++, used++)
             move[used].from = 0,
-            move[used].to = YCI_TILE * t->begin[at / YCI_PANEL] + (YCI_PANEL + 1) * (at % YCI_PANEL);
+            move[used].to = YCI_TILE * f->tiles.begin[at / YCI_PANEL] + (YCI_PANEL + 1) * (at % YCI_PANEL);
     }
     return used;
 }
@@ -5139,7 +5125,7 @@ static int yci_ldl_tile(yci_ldl *f) {
     work = YCI_RAW(c, int, blocks), f->place = YCI_RAW(c, int, f->size);
     t->begin = YCI_RAW(c, int, blocks + 1), t->row = YCI_RAW(c, int, YCI_LDL_TILES);
     ok = work && f->place && t->begin && t->row;
-    if (ok && yci_ldl_places(f, f->place)) count = yci_ldl_tile_columns(f, f->place, YCI_LDL_TILES, t, work);
+    if (ok && yci_ldl_places(f)) count = yci_ldl_tile_columns(f, work);
     if (count) {
         pairs = yci_ldl_tile_targets(t, NULL);
         for (k = 0; k < f->super[f->supers].run; k++) values += (size_t)(f->run[k].rows * f->run[k].count) * 2;
@@ -5154,8 +5140,8 @@ static int yci_ldl_tile(yci_ldl *f) {
     }
     if (ok && count) {
         yci_ldl_tile_targets(t, t->target);
-        f->moves = yci_ldl_tile_moves(f, t, work, f->move);
-        f->ones = yci_ldl_tile_ones(f, f->place, t, f->move + f->moves);
+        f->moves = yci_ldl_tile_moves(f, work, f->move);
+        f->ones = yci_ldl_tile_ones(f, f->move + f->moves);
     }
     yci_free(c, work);
     if (!ok || !count) yci_ldl_untile(f);
@@ -5174,7 +5160,8 @@ static int yci_ldl_factor_tiles(yci_ldl *f, const double *value) {
 }
 
 /* Takes the unknowns of count arrays x to their places in y, or back. */
-YCI_INLINE void yci_ldl_carry(const yci_ldl *f, double *x, int count, size_t ldx, double *y, size_t ldy, int back) {
+YCI_INLINE void yci_ldl_carry_some(
+    const yci_ldl *f, double *x, int count, size_t ldx, double *y, size_t ldy, int back) {
     const int *place = f->place, *unknown = f->unknown;
     int i, r, size = f->size;
     for (i = 0; i < size; i++) {
@@ -5186,16 +5173,18 @@ YCI_INLINE void yci_ldl_carry(const yci_ldl *f, double *x, int count, size_t ldx
     }
 }
 
+static void yci_ldl_carry(const yci_ldl *f, double *x, int count, size_t ldx, double *y, size_t ldy, int back) {
+    if (count == 1) yci_ldl_carry_some(f, x, 1, ldx, y, ldy, back);
+    else if (count == 3) yci_ldl_carry_some(f, x, 3, ldx, y, ldy, back);
+    else yci_ldl_carry_some(f, x, count, ldx, y, ldy, back);
+}
+
 static void yci_ldl_solve_tiles(const yci_ldl *f, double *x, int count, size_t ldx, double *y) {
     size_t ldy = (size_t)YCI_PANEL * (size_t)f->tiles.blocks;
     memset(y, 0, ldy * (size_t)count * sizeof *y);
-    if (count == 1) yci_ldl_carry(f, x, 1, ldx, y, ldy, 0);
-    else if (count == 3) yci_ldl_carry(f, x, 3, ldx, y, ldy, 0);
-    else yci_ldl_carry(f, x, count, ldx, y, ldy, 0);
+    yci_ldl_carry(f, x, count, ldx, y, ldy, 0);
     f->kernels->tiles_solve(&f->tiles, y, ldy, count);
-    if (count == 1) yci_ldl_carry(f, x, 1, ldx, y, ldy, 1);
-    else if (count == 3) yci_ldl_carry(f, x, 3, ldx, y, ldy, 1);
-    else yci_ldl_carry(f, x, count, ldx, y, ldy, 1);
+    yci_ldl_carry(f, x, count, ldx, y, ldy, 1);
 }
 
 /* Room for L and the update matrices, which nobody needs before the first factorisation. */
@@ -5274,7 +5263,7 @@ static void yci_ldl_divide(const yci_ldl *f, double *y) {
 /* x := inverse(A) x for at most YCI_RIGHT right-hand sides x[r * ldx + i] in the caller's numbering. Needs a factor;
  * `work` has yci_ldl_work(f, count) numbers. */
 static void yci_ldl_solve_some(const yci_ldl *f, double *x, int count, size_t ldx, double *work) {
-    size_t ldy = ((size_t)f->size + YCI_OVERREAD + 7) & ~(size_t)7, ldz = yci_ldl_own(f);
+    size_t ldy = yci_ldl_right(f), ldz = yci_ldl_own(f);
     double *z = work + ldy * (size_t)count;
     int s, r, i;
     if (f->tiled) {
