@@ -300,6 +300,13 @@ typedef struct yc_yarn_material {
     double contact;     /* k_c, N: resistance of neighbouring parallel yarns pressed together; >= 0; default 1 */
     double friction;    /* Coulomb coefficient between crossing yarns; [0, 10]; default 0.3 */
     double slide;       /* k_f, N/m: stiffness of the anchored friction spring; > 0; default 100 */
+    /* N: what presses the yarns of a crossing together at rest, as weaving and finishing leave it; the mean of both
+     * yarns counts, and friction of sliding and of turning adds it to the force that the state gives; >= 0; default 0 */
+    double preload;
+    /* N m^2: EI of the undulation of a crimped yarn. Another value than `bending` only where a yarn stands for several;
+     * > 0; default 3e-9. Not used without crimp */
+    double crimp_bending;
+    double strength; /* N: tension at which the yarn breaks; >= 0; default 0, never */
 } yc_yarn_material;
 YC_API yc_yarn_material yc_yarn_material_default(void);
 
@@ -349,9 +356,13 @@ typedef struct yc_yarns {
     unsigned char *yarn_family; /* [yarn_count], YC_WARP, YC_WEFT or YC_ROD */
     int *yarn_material;         /* [yarn_count], index into materials */
     int visit_count;
-    int *visit_node;           /* [visit_count] */
-    double *visit_u;           /* [visit_count], m, strictly increasing along a yarn */
-    signed char *visit_layer;  /* [visit_count], +1 the upper yarn at a crossing, -1 the lower, 0 alone */
+    int *visit_node;          /* [visit_count] */
+    double *visit_u;          /* [visit_count], m, strictly increasing along a yarn */
+    signed char *visit_layer; /* [visit_count], +1 the upper yarn at a crossing, -1 the lower, 0 alone */
+    /* [visit_count], m, >= 0: how far the yarn's centre line passes from its node at rest, on the side of its layer, 0
+     * where that is 0; u is then true length along the undulating yarn. NULL: no crimp, u is measured along the layout
+     */
+    double *visit_height;
     unsigned char *visit_held; /* [visit_count], nonzero: u is a label and never slides (ends, rods, lone visits) */
     int material_count;
     yc_yarn_material *materials; /* [material_count] */
@@ -368,6 +379,10 @@ typedef struct yc_weave_desc {
     yc_yarn_material warp, weft;
     /* along welded seams of a mesh; rod.density = 0: no rods. Default: the yarn's, twice as heavy */
     yc_yarn_material rod;
+    /* [YC_WARP], [YC_WEFT]: length of a yarn over the length of its cloth, less 1; [0, 0.5]; default 0, 0. Where one is
+     * above 0 yarns undulate (visit_height), density is that of the straightened yarn, and cloth stretches by
+     * straightening them first */
+    double crimp[2];
     double grain;   /* rad, turns the yarns against the pattern's axes, counter-clockwise; default 0 */
     double size[2]; /* m, width and height of the cloth when no mesh is given; default 0.2, 0.2 */
 } yc_weave_desc;
@@ -5906,6 +5921,7 @@ YC_API yc_yarn_material yc_yarn_material_default(void) {
     yc_yarn_material m;
     m.stretch = 50.0, m.bending = 3e-9, m.density = 15e-6, m.radius = 72e-6;
     m.shear = 4e-3, m.shear_limit = 0.9, m.contact = 1.0, m.friction = 0.3, m.slide = 100.0;
+    m.preload = 0.0, m.crimp_bending = m.bending, m.strength = 0.0;
     return m;
 }
 
@@ -5943,17 +5959,17 @@ YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc) {
 /* ---- checks ------------------------------------------------------------------------------------------------------ */
 
 static yc_result yci_yarn_material_check(yci_context *c, const char *owner, const yc_yarn_material *m) {
-    static const char *const names[] = {
-        "stretch", "density", "radius", "slide", "bending", "shear", "contact", "friction", "shear_limit"};
-    double values[9];
+    static const char *const names[] = {"stretch", "density", "radius", "slide", "crimp_bending", "bending", "shear",
+        "contact", "friction", "shear_limit", "preload", "strength"};
+    double values[12];
     int i;
     values[0] = m->stretch, values[1] = m->density, values[2] = m->radius, values[3] = m->slide;
-    values[4] = m->bending, values[5] = m->shear, values[6] = m->contact;
-    values[7] = m->friction, values[8] = m->shear_limit;
-    for (i = 0; i < 9; i++) {
+    values[4] = m->crimp_bending, values[5] = m->bending, values[6] = m->shear, values[7] = m->contact;
+    values[8] = m->friction, values[9] = m->shear_limit, values[10] = m->preload, values[11] = m->strength;
+    for (i = 0; i < 12; i++) {
         if (!yci_finite(values[i]))
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be finite", owner, names[i], values[i]);
-        if (i < 4 && values[i] <= 0.0)
+        if (i < 5 && values[i] <= 0.0)
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be greater than 0", owner, names[i], values[i]);
         if (values[i] < 0.0)
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.%s = %g must not be negative", owner, names[i], values[i]);
