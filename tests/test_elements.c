@@ -133,7 +133,7 @@ static int elements_invariant(elements_function f, const double *p, int n, int p
 
 /* p[0..] in each wrapper: the element's parameters in order. */
 static double elements_stretch(const double *p, const double *q, double *g, double *h, int projected) {
-    return yci_yarn_stretch(q, p[0], p[1], p[2], g, h, projected);
+    return yci_yarn_stretch(q, p[0], p[1], p[2], NULL, g, h, projected);
 }
 static double elements_gravity(const double *p, const double *q, double *g, double *h, int projected) {
     return yci_yarn_gravity(q, p[0], p + 1, g, h, projected);
@@ -159,7 +159,7 @@ static double elements_friction(const double *p, const double *q, double *g, dou
 static double elements_membrane(const double *p, const double *q, double *g, double *h, int projected) {
     yci_membrane rest;
     yci_triangle_rest(&rest, p, p[6], p[7]);
-    return yci_triangle_membrane(q, &rest, p + 8, p[12], p[12] > 0.0 ? p + 13 : NULL, g, h, projected);
+    return yci_triangle_membrane(q, &rest, p + 8, p[12], p[12] > 0.0 ? p + 13 : NULL, NULL, g, h, projected);
 }
 static double elements_hinge(const double *p, const double *q, double *g, double *h, int projected) {
     return yci_triangle_hinge(q, p[0], p[1], p[2], p[3], g, h, projected);
@@ -517,25 +517,25 @@ TEST(triangle_membrane_rest) {
         }
         yci_triangle_membrane_strain(q, &rest, pull);
         CHECK(fabs(pull[0] - 0.105) < 1e-14 && fabs(pull[1]) < 1e-14 && fabs(pull[2]) < 1e-14);
-        CHECK(fabs(yci_triangle_membrane(q, &rest, material, 0.0, NULL, NULL, NULL, 0) -
+        CHECK(fabs(yci_triangle_membrane(q, &rest, material, 0.0, NULL, NULL, NULL, NULL, 0) -
                   rest.area * 20.0 * 0.105 * 0.105) < 1e-13);
     }
     /* An isotropic material does not see the grain. */
     stiff[0] = stiff[2] = 10.0, stiff[1] = 3.0, stiff[3] = 3.5;
     elements_scatter(q, 9, 1.0);
     yci_triangle_rest(&rest, uv, 0.0, 1.0);
-    area = yci_triangle_membrane(q, &rest, stiff, 0.0, NULL, NULL, NULL, 0);
+    area = yci_triangle_membrane(q, &rest, stiff, 0.0, NULL, NULL, NULL, NULL, 0);
     yci_triangle_rest(&rest, uv, 1.1, 1.0);
-    CHECK(fabs(yci_triangle_membrane(q, &rest, stiff, 0.0, NULL, NULL, NULL, 0) - area) < 1e-13 * area);
+    CHECK(fabs(yci_triangle_membrane(q, &rest, stiff, 0.0, NULL, NULL, NULL, NULL, 0) - area) < 1e-13 * area);
     /* A degenerate pattern triangle has no energy; collapsed positions give no NaN. */
     yci_zero(q, 9);
-    yci_triangle_membrane(q, &rest, stiff, 0.0, NULL, g, h, 1);
+    yci_triangle_membrane(q, &rest, stiff, 0.0, NULL, NULL, g, h, 1);
     CHECK(elements_finite(g, 9) && elements_semidefinite(h, 9));
     uv[4] = 2.5, uv[5] = 0.6;
     yci_triangle_rest(&rest, uv, 0.0, 1.0);
     uv[4] = uv[2], uv[5] = uv[3];
     yci_triangle_rest(&rest, uv, 0.0, 1.0);
-    CHECK(rest.area == 0.0 && yci_triangle_membrane(q, &rest, stiff, 0.0, NULL, g, h, 0) == 0.0);
+    CHECK(rest.area == 0.0 && yci_triangle_membrane(q, &rest, stiff, 0.0, NULL, NULL, g, h, 0) == 0.0);
     CHECK(elements_largest(g, 9) == 0.0 && elements_largest(h, 81) == 0.0);
 }
 
@@ -647,7 +647,8 @@ TEST(elements_rigid_undamped) {
     for (int trial = 0; trial < 10; trial++) {
         elements_scatter(q, 6, 1.0), q[6] = 0.0, q[7] = 2.0;
         s = yci_yarn_stretch_strain(q), elements_move(q, 2, 1.0);
-        yci_yarn_stretch(q, 10.0, 100.0, s, with, NULL, 0), yci_yarn_stretch(q, 10.0, 0.0, 0.0, without, NULL, 0);
+        yci_yarn_stretch(q, 10.0, 100.0, s, NULL, with, NULL, 0);
+        yci_yarn_stretch(q, 10.0, 0.0, 0.0, NULL, without, NULL, 0);
         CHECK(elements_distance(with, without, 8) < 1e-11 * elements_largest(without, 8));
         elements_scatter(q, 9, 1.0), q[9] = 0.0, q[10] = 2.0;
         s = yci_yarn_bend_strain(q), elements_move(q, 3, 1.0);
@@ -660,8 +661,8 @@ TEST(elements_rigid_undamped) {
         CHECK(elements_distance(with, without, 9) < 1e-11 * elements_largest(without, 9));
         yci_triangle_rest(&rest, uv, 0.3, 1.0);
         yci_triangle_membrane_strain(q, &rest, e), elements_move(q, 3, 1.0);
-        yci_triangle_membrane(q, &rest, material, 100.0, e, with, NULL, 0);
-        yci_triangle_membrane(q, &rest, material, 0.0, NULL, without, NULL, 0);
+        yci_triangle_membrane(q, &rest, material, 100.0, e, NULL, with, NULL, 0);
+        yci_triangle_membrane(q, &rest, material, 0.0, NULL, NULL, without, NULL, 0);
         CHECK(elements_distance(with, without, 9) < 1e-11 * elements_largest(without, 9));
         elements_scatter(q, 12, 1.0);
         s = yci_triangle_hinge_strain(q), elements_move(q, 4, 1.0);

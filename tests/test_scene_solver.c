@@ -130,3 +130,33 @@ TEST(scene_solver_effort_stays_in_bounds) {
         scene_swatch_free(s);
     }
 }
+
+/* A flap of yarns held along one edge swings down: segments turn by a third of a radian in a step, which the tension
+ * of a linear step would forbid. The last step is longer than the whole swing. */
+TEST(scene_solver_turning_yarns_take_few_iterations) {
+    static const double h[] = {1e-3, 5e-3, 0.1};
+    int i, k, step;
+    for (i = 0; i < 3; i++) {
+        scene_swatch_desc d = scene_swatch_desc_default(SCENE_YARNS_ALONE);
+        scene_swatch *s;
+        yc_scene_desc settings = yc_scene_desc_default();
+        yc_scene *scene = NULL;
+        yc_stats stats;
+        int newton = 0, substeps = 0, rejected = 0, steps = i < 2 ? 20 : 3;
+        d.size[0] = d.size[1] = 0.04, d.spacing = 2e-3, d.along_v[1] = 0.0, d.along_v[2] = -1.0;
+        s = scene_swatch_new(&d);
+        settings.dt_max = h[i];
+        CHECK_RESULT(yc_scene_create(NULL, &settings, &scene, NULL), YC_OK);
+        CHECK_RESULT(yc_scene_add_cloth(scene, &s->cloth, NULL), YC_OK);
+        for (k = 0; k < s->yarns.node_count; k++)
+            if (s->yarns.layout[k][1] < d.spacing) CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, k, NULL), YC_OK);
+        for (step = 0; step < steps; step++) {
+            if (!CHECK_RESULT(yc_scene_step(scene, h[i], &stats), YC_OK)) break;
+            newton += stats.newton, substeps += stats.substeps, rejected += stats.rejected;
+        }
+        CHECK(newton <= (i < 2 ? 4 : 20) * substeps);
+        CHECK(rejected <= (i < 2 ? 0 : 4));
+        yc_scene_destroy(scene);
+        scene_swatch_free(s);
+    }
+}
