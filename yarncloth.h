@@ -162,7 +162,8 @@ typedef struct yc_host {
  * times; only making one allocates. Numbers have whatever units the caller's matrix has. Different objects may be used
  * by different threads at the same time; one object by one thread at a time, unless a function says otherwise. Results
  * are the same bits for any worker count of host.parallel_for. A host of NULL means malloc, one thread, silence. A
- * function that makes an object and fails leaves *out NULL and says why through host.log.
+ * function that makes an object and fails leaves *out NULL and says why through host.log. An object of NULL is refused
+ * by every function: YC_ERROR_ARGUMENT, 0 or a message that says so; to destroy it does nothing.
  * ------------------------------------------------------------------------------------------------------------------ */
 
 /* Dense LU with partial pivoting, P A = L U. */
@@ -230,7 +231,7 @@ typedef struct yc_chol_options {
     double shift;
 } yc_chol_options;
 
-/* Fills in the defaults. Options that were not filled in, with a block of 0, are refused. */
+/* Fills in the defaults; of NULL nothing. Options that were not filled in, with a block of 0, are refused. */
 YC_API void yc_chol_options_default(yc_chol_options *options);
 
 typedef struct yc_chol_statistics {
@@ -1249,9 +1250,11 @@ typedef struct yci_trapezoid {
  * the inverse P of a whole diagonal tile C, taken without pivoting, with which errors grow by its condition. That is
  * measured by the sum of |C_ij P_ij| (for positive definite C, at least an eighth of the condition that scaling leaves)
  * and YCI_TILE_LOSS times that with what C came from. Above YCI_TILE_CONDITION, what is multiplied by P is refined once
- * (a mass matrix stays at 10, where 8 is the least). Above YCI_TILE_LIMIT, or YCI_TILE_INDEFINITE, the tile is refused;
- * so is a pair of pivots that is not positive definite (spd) or else as ill-conditioned by itself, which the ones
- * behind it may undo in P but not in its errors, or whose determinant is near what underflows. */
+ * (a mass matrix stays at 11, where 8 is the least). That cannot mend L D L', in which terms larger than their sum
+ * cancel, unlike in a Cholesky factor: above YCI_TILE_LIMIT, or YCI_TILE_INDEFINITE, the tile is refused. With 12 and
+ * 200 residuals of chains, grids, hubs and springs stay within about twice CHOLMOD's; 16 and 1e4 gave up to three and
+ * eleven times. A pair of pivots is refused that is not positive definite (spd) or else as ill-conditioned by itself,
+ * which the ones behind it may undo in P but not in its errors, or whose determinant is near what underflows. */
 typedef struct yci_tiles {
     int blocks, spd;
     int *begin;     /* blocks + 1: first tile of every column, the one on the diagonal */
@@ -1263,8 +1266,8 @@ typedef struct yci_tiles {
     double *scaled; /* work: L D of one column */
 } yci_tiles;
 #define YCI_TILE (YCI_PANEL * YCI_PANEL)
-#define YCI_TILE_CONDITION 16.0
-#define YCI_TILE_LIMIT 1e4
+#define YCI_TILE_CONDITION 12.0
+#define YCI_TILE_LIMIT 200.0
 #define YCI_TILE_INDEFINITE 64.0
 #define YCI_TILE_LOSS 1e-6
 #define YCI_TILE_LEAST 1e-280
@@ -1823,6 +1826,13 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile_gather)(
     }
 }
 
+YCI_TARGET YCI_INLINE void YCI_(yci_tile_clear)(V (*s)[V_COLUMNS], int count) {
+    int q, r;
+    YCI_UNROLL
+    for (r = 0; r < count; r++) YCI_UNROLL
+    for (q = 0; q < V_COLUMNS; q++) s[r][q] = V_SET(0.0);
+}
+
 /* The sums over the lanes, in vectors. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tile_sums)(V (*s)[V_COLUMNS], V (*sum)[V_TILE_PART], int first, int count) {
     int q, r;
@@ -1984,9 +1994,7 @@ YCI_TARGET YCI_INLINE const double *YCI_(yci_panel_backward)(
     YCI_UNROLL
     for (q = 0; q < YCI_PANEL; q += V_COLUMNS) {
         V s[YCI_RIGHT][V_COLUMNS];
-        YCI_UNROLL
-        for (r = 0; r < count; r++) YCI_UNROLL
-        for (i = 0; i < V_COLUMNS; i++) s[r][i] = V_SET(0.0);
+        YCI_(yci_tile_clear)(s, count);
         l = end;
         if (last) {
             l -= last * n;
@@ -2051,7 +2059,9 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile_copy)(const double *from, double *to) {
     for (i = 0; i < YCI_TILE; i += V_W) V_STORE(to + i, V_LOAD(from + i));
 }
 
-/* to := from - A B' or, without `from`, -A B'; tiles all of them, and `count` of all but B. */
+/* to := from - A B' or, without `from`, -A B'; tiles all of them, and `count` of all but B. The product is summed by
+ * itself and rounded into `from` once: a tile on which hundreds of columns meet loses a third as much as with one
+ * rounding for each term. */
 YCI_TARGET YCI_INLINE void YCI_(yci_tile_update)(
     int count, const double *const *from, const double *const *a, const double *b, double *const *to) {
     int i, j, q, p, k;
@@ -2060,7 +2070,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile_update)(
             V s[V_TILE_N][V_TILE_V], x[V_TILE_V];
             YCI_UNROLL
             for (q = 0; q < V_TILE_N; q++) YCI_UNROLL
-            for (p = 0; p < count; p++) s[q][p] = from ? V_LOAD(from[p] + YCI_PANEL * (j + q) + i) : V_SET(0.0);
+            for (p = 0; p < count; p++) s[q][p] = V_SET(0.0);
             for (k = 0; k < YCI_PANEL; k++) {
                 YCI_UNROLL
                 for (p = 0; p < count; p++) x[p] = V_LOAD(a[p] + YCI_PANEL * k + i);
@@ -2073,7 +2083,10 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tile_update)(
             }
             YCI_UNROLL
             for (q = 0; q < V_TILE_N; q++) YCI_UNROLL
-            for (p = 0; p < count; p++) V_STORE(to[p] + YCI_PANEL * (j + q) + i, s[q][p]);
+            for (p = 0; p < count; p++) {
+                size_t at = (size_t)(YCI_PANEL * (j + q) + i);
+                V_STORE(to[p] + at, from ? V_ADD(V_LOAD(from[p] + at), s[q][p]) : s[q][p]);
+            }
         }
 }
 
@@ -2218,9 +2231,7 @@ YCI_TARGET YCI_INLINE void YCI_(yci_tiles_backward)(
     YCI_UNROLL
     for (q = 0; q < YCI_PANEL; q += V_COLUMNS) {
         V s[YCI_RIGHT][V_COLUMNS];
-        YCI_UNROLL
-        for (r = 0; r < count; r++) YCI_UNROLL
-        for (i = 0; i < V_COLUMNS; i++) s[r][i] = V_SET(0.0);
+        YCI_(yci_tile_clear)(s, count);
         YCI_UNROLL
         for (k = tiles - 1; k >= 0; k--) YCI_(yci_tile_gather)
         (q, YCI_PANEL, l + YCI_TILE * (size_t)k, YCI_PANEL, y + YCI_PANEL * (size_t)row[k], ldy, s, count);
@@ -2991,7 +3002,7 @@ YC_API yc_result yc_lu_create(const yc_host *host, int n, yc_lu **out) {
     return result;
 }
 
-YC_API const char *yc_lu_message(const yc_lu *lu) { return lu->context.message; }
+YC_API const char *yc_lu_message(const yc_lu *lu) { return lu ? lu->context.message : "lu is NULL"; }
 
 typedef struct {
     yc_lu *lu;
@@ -4320,7 +4331,8 @@ typedef struct yci_ldl {
     double shift;          /* added to the diagonal of a pivot block without an inverse; 0: it fails */
     double nonzeros, flops;
     yci_tiles tiles; /* of a small factor; without blocks otherwise */
-    int *place;      /* size: where the unknowns stand among the rows of the tiles */
+    int tile_rows;   /* of the tiles, if there may be some; 0: there are too many */
+    int *place;      /* size: where the unknowns stand among these rows */
     yci_ldl_move *move;
     int moves, ones, tiled; /* values to move, and ones; whether the factor is there rather than in the panels */
 } yci_ldl;
@@ -4537,7 +4549,7 @@ static size_t yci_ldl_update_size(const yci_ldl_super *s) { return s->ld * (size
 
 /* Turns the plan's groups into supernodes and measures them. */
 static void yci_ldl_measure(yci_ldl *f, const yci_ldl_plan *t) {
-    int s, first = 0;
+    int s, first = 0, blocks = 0;
     size_t panels = 0, size;
     for (s = 0; s < f->supers; s++) {
         yci_ldl_super *u = f->super + s;
@@ -4549,10 +4561,12 @@ static void yci_ldl_measure(yci_ldl *f, const yci_ldl_plan *t) {
         if (size < yci_packed(u->width, u->height)) size = yci_packed(u->width, u->height);
         u->panel = panels, panels += (size + YCI_OVERREAD + 7) & ~(size_t)7;
         if (u->height > f->tallest) f->tallest = u->height;
+        blocks += (u->width + YCI_PANEL - 1) / YCI_PANEL;
         f->nonzeros += w * below + 0.5 * w * (w + 1.0);
         f->flops += (h * (h + 1.0) * (2.0 * h + 1.0) - below * (below + 1.0) * (2.0 * below + 1.0)) / 6.0;
     }
     f->super[s].first = first, f->super[s].panel = panels;
+    f->tile_rows = blocks <= YCI_LDL_TILES ? YCI_PANEL * blocks : 0;
     for (s = f->supers - 1; s >= 0; s--) {
         yci_ldl_super *u = f->super + s;
         u->next = -1;
@@ -5133,10 +5147,9 @@ static int yci_ldl_tile_ones(const yci_ldl *f, yci_ldl_move *move) {
 static int yci_ldl_tile(yci_ldl *f) {
     yci_context *c = f->c;
     yci_tiles *t = &f->tiles;
-    int s, k, most = 0, blocks = 0, count = 0, ok, *work;
+    int k, most = 0, blocks = f->tile_rows / YCI_PANEL, count = 0, ok, *work;
     size_t pairs, values = 0;
-    for (s = 0; s < f->supers; s++) blocks += (f->super[s].width + YCI_PANEL - 1) / YCI_PANEL;
-    if (blocks == 0 || blocks > YCI_LDL_TILES) return 1;
+    if (!blocks) return 1;
     work = YCI_RAW(c, int, blocks), f->place = YCI_RAW(c, int, f->size);
     t->begin = YCI_RAW(c, int, blocks + 1), t->row = YCI_RAW(c, int, YCI_LDL_TILES);
     ok = work && f->place && t->begin && t->row;
@@ -5243,7 +5256,8 @@ static yc_result yci_ldl_factor(yci_ldl *f, const double *value) {
 
 /* Numbers of `work` for a solve: the unknowns, or all rows of tiles; and a front's. */
 static size_t yci_ldl_right(const yci_ldl *f) {
-    return ((size_t)f->size + YCI_PANEL * (size_t)f->supers + YCI_OVERREAD + 7) & ~(size_t)7;
+    int rows = f->size + YCI_OVERREAD;
+    return ((size_t)(rows > f->tile_rows ? rows : f->tile_rows) + 7) & ~(size_t)7;
 }
 static size_t yci_ldl_own(const yci_ldl *f) { return ((size_t)f->tallest + 2 * YCI_OVERREAD + 7) & ~(size_t)7; }
 static size_t yci_ldl_work(const yci_ldl *f, int count) { return (yci_ldl_right(f) + yci_ldl_own(f)) * (size_t)count; }
@@ -5519,6 +5533,7 @@ struct yc_chol {
 };
 
 YC_API void yc_chol_options_default(yc_chol_options *options) {
+    if (!options) return;
     options->kind = YC_CHOL_SPD;
     options->block = 1;
     options->order = options->stage = NULL;
@@ -5804,7 +5819,9 @@ YC_API yc_result yc_chol_factor(yc_chol *chol, const double *values) {
     return yci_ldl_factor(chol->ldl, values);
 }
 
-YC_API size_t yc_chol_work(const yc_chol *chol) { return yci_ldl_work(chol->ldl, YCI_RIGHT) + 2 * (size_t)chol->n; }
+YC_API size_t yc_chol_work(const yc_chol *chol) {
+    return chol ? yci_ldl_work(chol->ldl, YCI_RIGHT) + 2 * (size_t)chol->n : 0;
+}
 
 YC_API yc_result yc_chol_solve_with(const yc_chol *chol, double *x, int count, int ldx, double *work) {
     if (!chol || !chol->ldl->factored || count < 0 || ldx < chol->n || (count && chol->n && (!x || !work)))
@@ -5877,7 +5894,7 @@ YC_API yc_result yc_chol_stats(const yc_chol *chol, yc_chol_statistics *out) {
     return YC_OK;
 }
 
-YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.message; }
+YC_API const char *yc_chol_message(const yc_chol *chol) { return chol ? chol->context.message : "chol is NULL"; }
 
 /* =====================================================================================================================
  * >>fabric   (chapter 5)

@@ -282,8 +282,7 @@ TEST(direct_meshes) {
         for (block = 1; block <= YCI_BLOCK_MAX; block++) {
             matrix m = matrix_open(shape, shape == DENSE ? 40 : shape == GRID ? 225 : 150, block);
             fill_dominant(&m, NULL, 3);
-            /* In tiles the node that 149 others meet in adds up more rounding. */
-            CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 0), 0.0, shape == ARROW && tile_limit ? 2e-15 : 1e-15);
+            CHECK_NEAR(solve_error(&m, YC_CHOL_SPD, 0), 0.0, 1e-15);
             CHECK_NEAR(solve_error(&m, YC_CHOL_QUASIDEFINITE, 0), 0.0, 1e-15);
             matrix_close(&m);
         }
@@ -392,30 +391,71 @@ TEST(direct_condition) {
     }
 }
 
-/* Scaled by 2^+-500, about 1e+-150, and by 2^+-900, the solution is the same to the last bit, but for its exponent. */
+/* Scaled by 2^exponent, m has a solution as accurate as before, and the same to the last bit but for its exponent
+ * where both factors are in tiles or both in fronts. The exponent is a multiple of 4, since blocks are equilibrated by
+ * fourth roots. */
+static void check_scaled(const yc_chol *chol, const matrix *m, yc_chol_kind kind, int exponent, int tiled) {
+    matrix scaled = *m;
+    yc_chol *other = analyzed(NULL, m, kind);
+    double *x = random_numbers(4, m->n), *y = random_numbers(4, m->n);
+    int i;
+    scaled.value = (double *)malloc((size_t)m->entries * sizeof(double));
+    for (i = 0; i < m->entries; i++) scaled.value[i] = ldexp(m->value[i], exponent);
+    CHECK_RESULT(yc_chol_factor(other, scaled.value), YC_OK);
+    CHECK(other->ldl->tiled == tiled);
+    CHECK(yc_chol_solve(chol, x, 1, m->n) == YC_OK && yc_chol_solve(other, y, 1, m->n) == YC_OK);
+    for (i = 0; i < m->n; i++) y[i] = ldexp(y[i], exponent);
+    if (chol->ldl->tiled == tiled) CHECK(memcmp(x, y, (size_t)m->n * sizeof(double)) == 0);
+    else CHECK_NEAR(solve_error(&scaled, kind, 0), 0.0, 1e-15);
+    yc_chol_destroy(other);
+    free(x), free(y), free(scaled.value);
+}
+
+/* By 2^+-500, about 1e+-150, and by 2^+-900 tiles are left to the fronts; stiff matrices are there already. */
 TEST(direct_scaled) {
-    static const int exponents[] = {500, -500, 900, -900};
-    int which, block, e, i, k;
-    for (which = 0; which < 2; which++)
-        for (block = 1; block <= 3; block += 2) {
-            yc_chol_kind kind = which ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
-            matrix m = matrix_open(GRID, 400, block), scaled = matrix_open(GRID, 400, block);
-            double *x = random_numbers(4, m.n), *y = random_numbers(4, m.n);
-            yc_chol *chol;
-            fill_springs(&m, 8);
-            chol = factored(NULL, &m, kind);
-            CHECK_RESULT(yc_chol_solve(chol, x, 1, m.n), YC_OK);
-            for (e = 0; e < 4; e++) {
-                for (k = 0; k < m.entries; k++) scaled.value[k] = ldexp(m.value[k], exponents[e]);
-                free(y), y = random_numbers(4, m.n);
-                CHECK_RESULT(yc_chol_factor(chol, scaled.value), YC_OK);
-                CHECK_RESULT(yc_chol_solve(chol, y, 1, m.n), YC_OK);
-                for (i = 0; i < m.n; i++) y[i] = ldexp(y[i], exponents[e]);
-                CHECK(memcmp(x, y, (size_t)m.n * sizeof(double)) == 0);
+    static const int exponents[] = {332, -332, 500, -500, 900, -900};
+    int stiff, which, block, e;
+    for (stiff = 0; stiff < 2; stiff++)
+        for (which = 0; which < 2; which++)
+            for (block = 1; block <= 3; block += 2) {
+                yc_chol_kind kind = which ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
+                int tiles = tile_limit && !stiff && (!which || block == 1);
+                matrix m = matrix_open(GRID, stiff ? 400 : 196, block);
+                yc_chol *chol;
+                if (stiff) fill_springs(&m, 8);
+                else fill_dominant(&m, NULL, 8);
+                chol = factored(NULL, &m, kind);
+                CHECK(chol->ldl->tiled == tiles);
+                for (e = 0; e < 6; e++) check_scaled(chol, &m, kind, exponents[e], tiles && e < 2);
+                yc_chol_destroy(chol);
+                matrix_close(&m);
             }
+}
+
+/* In tiles, rows and columns scaled from 1e-30 to 1e30, and some links that are subnormal. */
+TEST(direct_scaled_unevenly) {
+    int which, block, i, k;
+    for (which = 0; which < 2; which++)
+        for (block = 1; block <= 2; block++) {
+            yc_chol_kind kind = which ? YC_CHOL_QUASIDEFINITE : YC_CHOL_SPD;
+            matrix m = matrix_open(GRID, 196, block);
+            double *d = random_numbers(9, m.n);
+            yc_chol *chol;
+            for (i = 0; i < m.n; i++) d[i] = pow(10.0, 30.0 * d[i]);
+            fill_dominant(&m, NULL, 8);
+            for (i = 0; i < m.n; i++)
+                for (k = m.ptr[i]; k < m.ptr[i + 1]; k++)
+                    if (k % 3 == 0 && m.col[k] / block != i / block) m.value[k] = 1e-310;
+            chol = factored(NULL, &m, kind);
+            CHECK(chol->ldl->tiled == (tile_limit > 0));
+            CHECK_NEAR(solve_error(&m, kind, 0), 0.0, 1e-15);
+            scale_rows_and_columns(&m, d);
+            CHECK(yc_chol_factor(chol, m.value) == YC_OK && chol->ldl->tiled == (tile_limit > 0));
+            CHECK_NEAR(solve_error(&m, kind, 0), 0.0, 1e-15);
+            CHECK_NEAR(solve_error(&m, kind, 1), 0.0, 1e-15);
             yc_chol_destroy(chol);
-            free(x), free(y);
-            matrix_close(&m), matrix_close(&scaled);
+            free(d);
+            matrix_close(&m);
         }
 }
 
@@ -1476,7 +1516,7 @@ TEST(direct_arguments_refused) {
     matrix_close(&m);
 }
 
-/* Solves, refinement and questions with arguments out of range leave x alone. */
+/* Solves, refinement and questions with arguments out of range leave x alone; of NULL there is nothing to tell. */
 TEST(direct_calls_refused) {
     matrix m = matrix_open(CHAIN, 4, 3);
     yc_chol_statistics stats;
@@ -1507,6 +1547,8 @@ TEST(direct_calls_refused) {
     CHECK_RESULT(yc_chol_refine(chol, m.ptr, m.col, m.value, b, x, -1, &error, NULL), YC_ERROR_ARGUMENT);
     CHECK(yc_chol_order(NULL, order) == YC_ERROR_ARGUMENT && yc_chol_order(chol, NULL) == YC_ERROR_ARGUMENT);
     CHECK(yc_chol_stats(NULL, &stats) == YC_ERROR_ARGUMENT && yc_chol_stats(chol, NULL) == YC_ERROR_ARGUMENT);
+    CHECK(yc_chol_work(NULL) == 0 && strstr(yc_chol_message(NULL), "NULL"));
+    yc_chol_options_default(NULL), yc_chol_destroy(NULL);
     for (i = 0; i < 24; i++) CHECK(x[i] == i);
     CHECK(error == 7.0 && yc_chol_solve(chol, NULL, 0, 12) == YC_OK && yc_chol_solve(chol, x, 2, 12) == YC_OK);
     yc_chol_destroy(chol);

@@ -279,6 +279,8 @@ TEST(dense_lu_errors) {
     CHECK(yc_lu_solve(lu, x, 1, 2) == YC_ERROR_ARGUMENT && yc_lu_solve(lu, x, -1, 3) == YC_ERROR_ARGUMENT);
     yc_lu_destroy(lu);
     yc_lu_destroy(NULL);
+    CHECK(yc_lu_factor(NULL, a, 3) == YC_ERROR_ARGUMENT && yc_lu_solve(NULL, x, 1, 3) == YC_ERROR_ARGUMENT);
+    CHECK(yc_lu_rcond(NULL) == 0.0 && yc_lu_growth(NULL) == 0.0 && strstr(yc_lu_message(NULL), "NULL"));
 }
 
 /* The estimate against the condition of small Hilbert matrices and of the inverse itself. */

@@ -16,7 +16,9 @@ typedef enum matrix_kind {
     MATRIX_DENSE  /* random numbers */
 } matrix_kind;
 
-#define RIGHT_SIDES 3
+#define RIGHT_SIDES 3     /* at most: solved together */
+#define ACCURACY_SIDES 21 /* by which the error is judged; only the first RIGHT_SIDES where n is above the next */
+#define ACCURACY_MOST 200000
 
 /* A sparse matrix is its lower triangle by rows, which is as well its upper triangle by columns. `own` are the values
  * for us. Only MATRIX_PAIR has others: some of its Mv are zero, which breaks scalar pivots, so a rival's L D L' gets
@@ -27,7 +29,8 @@ typedef struct matrix {
     int n, block;
     int *ptr, *col; /* NULL: dense */
     double *own, *ll, *ldl;
-    double *b; /* RIGHT_SIDES times n */
+    int sides; /* a multiple of RIGHT_SIDES */
+    double *b; /* sides times n */
 } matrix;
 
 /* Meshes and grids of width x height vertices, dense matrices of width x width. A jittered mesh has vertices off the
@@ -57,6 +60,7 @@ typedef struct solver {
     int (*solve)(struct solver *s, int count);    /* timed: from the b of the matrix to a place of its own */
     const double *(*solution)(struct solver *s);  /* that place */
     void (*release)(struct solver *s, int whole); /* the numbers, or the analysis with them */
+    int from; /* right-hand side of the matrix that is the first to be solved with */
     int state;
 } solver;
 
@@ -136,6 +140,18 @@ static inline void solver_measure(solver *s, unsigned phases, double seconds[PHA
     }
 }
 
+/* All right-hand sides of a matrix, after a measurement; x has sides * n numbers. */
+static inline int solver_all(solver *s, int n, int sides, double *x) {
+    size_t part = (size_t)n * RIGHT_SIDES;
+    int failed = 0;
+    for (s->from = 0; s->from < sides && !failed; s->from += RIGHT_SIDES, x += part) {
+        failed = s->solve(s, RIGHT_SIDES);
+        if (!failed) memcpy(x, s->solution(s), part * sizeof *x);
+    }
+    s->from = 0;
+    return failed;
+}
+
 /* ---- messages between the programs ------------------------------------------------------------------------------- */
 
 /* The rivals that the second program knows. */
@@ -161,12 +177,12 @@ typedef struct command {
     int rival;
     unsigned phases; /* none: let go of everything that this rival keeps */
     int solution;    /* send it after the answer, if there is one */
-    int n, dense;
+    int n, dense, sides;
 } command;
 
 typedef struct answer {
     int threads;  /* of the rival's process: must be 1 */
-    int solution; /* n * RIGHT_SIDES numbers follow */
+    int solution; /* n * sides numbers follow */
     double seconds[PHASES];
     char kernels[32]; /* of OpenBLAS */
 } answer;

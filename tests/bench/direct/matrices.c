@@ -308,8 +308,9 @@ void matrix_make(matrix *m, matrix_kind kind, int jittered, int width, int heigh
     mesh_free(&cloth);
     m->kind = kind;
     if (!m->ll) m->ll = m->ldl = m->own;
-    m->b = BENCH_NEW(double, (size_t)m->n *RIGHT_SIDES);
-    for (k = 0; k < (size_t)m->n * RIGHT_SIDES; k++) m->b[k] = bench_random(&seed, -1.0, 1.0);
+    m->sides = m->n > ACCURACY_MOST ? RIGHT_SIDES : ACCURACY_SIDES;
+    m->b = BENCH_NEW(double, (size_t)m->n *(size_t)m->sides);
+    for (k = 0; k < (size_t)m->n * (size_t)m->sides; k++) m->b[k] = bench_random(&seed, -1.0, 1.0);
 }
 
 void matrix_free(matrix *m) {

@@ -26,7 +26,7 @@ void dgetrs_(const char *trans, const int *n, const int *count, const double *a,
 namespace {
 
 struct loaded {
-    int n = 0, dense = 0;
+    int n = 0, dense = 0, sides = 0;
     std::vector<int> ptr, col, lower_ptr, lower_row; /* upper triangle by columns, lower triangle by columns */
     std::vector<double> ll[2], ldl[2], lower_ldl[2]; /* the matrix, its half */
     std::vector<double> lower_ll[2], columns, b;
@@ -34,6 +34,8 @@ struct loaded {
 
 loaded A;
 cholmod_common common;
+
+double *right_sides(const solver *s) { return A.b.data() + static_cast<size_t>(A.n) * static_cast<size_t>(s->from); }
 
 /* What makes a solver deletable. */
 struct base : solver {
@@ -89,6 +91,7 @@ int cholmod_factor_run(solver *s, int halved) {
 
 int cholmod_solve_run(solver *s, int count) {
     cholmod_rival *r = cholmod_self(s);
+    r->right.x = right_sides(s);
     r->right.ncol = static_cast<size_t>(count), r->right.nzmax = r->right.nrow * r->right.ncol, r->last = count > 1;
     return !cholmod_solve2(CHOLMOD_A, r->factored, &r->right, nullptr, &r->x[r->last], nullptr, &r->y, &r->e, &common);
 }
@@ -113,7 +116,7 @@ solver *cholmod_make(int kind, int ordering) {
         m->sorted = m->packed = 1;
     }
     r->right.nrow = r->right.d = static_cast<size_t>(A.n);
-    r->right.x = A.b.data(), r->right.xtype = CHOLMOD_REAL, r->right.dtype = CHOLMOD_DOUBLE;
+    r->right.xtype = CHOLMOD_REAL, r->right.dtype = CHOLMOD_DOUBLE;
     return r;
 }
 
@@ -125,7 +128,7 @@ template <class Factor> struct eigen_rival : base {
     sparse matrix[2];
     Factor *factored;
     Eigen::MatrixXd right, x, y;
-    int last;
+    int last, taken; /* what `right` holds: so many right-hand sides, from this one on */
 };
 
 /* In place, and with the same steps as Eigen's own solve, which allocates. */
@@ -159,9 +162,9 @@ template <class Factor> struct eigen_run {
     }
     static int solve(solver *s, int count) {
         rival *r = self(s);
-        if (r->last != count) {
-            r->right = Eigen::Map<Eigen::MatrixXd>(A.b.data(), A.n, count);
-            r->x.resize(A.n, count), r->y.resize(A.n, count), r->last = count;
+        if (r->last != count || r->taken != s->from) {
+            r->right = Eigen::Map<Eigen::MatrixXd>(right_sides(s), A.n, count);
+            r->x.resize(A.n, count), r->y.resize(A.n, count), r->last = count, r->taken = s->from;
         }
         r->x.noalias() = r->factored->permutationP() * r->right;
         eigen_triangles(*r->factored, r->x);
@@ -190,7 +193,7 @@ struct openblas_rival : base {
 struct openblas_run {
     static openblas_rival *self(solver *s) { return static_cast<openblas_rival *>(s); }
     static int analyse(solver *s) {
-        self(s)->factored.resize(A.columns.size()), self(s)->x.resize(A.b.size());
+        self(s)->factored.resize(A.columns.size()), self(s)->x.resize(static_cast<size_t>(A.n) * RIGHT_SIDES);
         self(s)->pivots.resize(static_cast<size_t>(A.n));
         return 0;
     }
@@ -203,7 +206,8 @@ struct openblas_run {
     }
     static int solve(solver *s, int count) {
         int info = 0;
-        memcpy(self(s)->x.data(), A.b.data(), static_cast<size_t>(A.n) * static_cast<size_t>(count) * sizeof(double));
+        memcpy(
+            self(s)->x.data(), right_sides(s), static_cast<size_t>(A.n) * static_cast<size_t>(count) * sizeof(double));
         dgetrs_("N", &A.n, &count, self(s)->factored.data(), &A.n, self(s)->pivots.data(), self(s)->x.data(), &A.n,
             &info, 1);
         return info;
@@ -223,7 +227,7 @@ typedef Eigen::PartialPivLU<Eigen::Ref<Eigen::MatrixXd>> eigen_lu;
 struct eigen_dense_rival : base {
     Eigen::MatrixXd store, right, x;
     eigen_lu *factored;
-    int last;
+    int last, taken;
 };
 
 struct eigen_dense_run {
@@ -245,9 +249,9 @@ struct eigen_dense_run {
     }
     static int solve(solver *s, int count) {
         eigen_dense_rival *r = self(s);
-        if (r->last != count) {
-            r->right = Eigen::Map<Eigen::MatrixXd>(A.b.data(), A.n, count);
-            r->x.resize(A.n, count), r->last = count;
+        if (r->last != count || r->taken != s->from) {
+            r->right = Eigen::Map<Eigen::MatrixXd>(right_sides(s), A.n, count);
+            r->x.resize(A.n, count), r->last = count, r->taken = s->from;
         }
         r->x.noalias() = r->factored->permutationP() * r->right;
         r->factored->matrixLU().triangularView<Eigen::UnitLower>().solveInPlace(r->x);
@@ -305,7 +309,7 @@ void load(const command &c) {
     size_t n = static_cast<size_t>(c.n);
     for (solver *&s : rival) forget(s);
     A = loaded();
-    A.n = c.n, A.dense = c.dense;
+    A.n = c.n, A.dense = c.dense, A.sides = c.sides;
     if (c.dense) {
         std::vector<double> rows;
         take(rows, n * n), A.columns.resize(n * n);
@@ -330,7 +334,7 @@ void load(const command &c) {
                     A.lower_ll[half][to] = A.ll[half][from], A.lower_ldl[half][to] = A.ldl[half][from];
             }
     }
-    take(A.b, n * RIGHT_SIDES);
+    take(A.b, n * static_cast<size_t>(c.sides));
 }
 
 solver *make(int which) {
@@ -374,9 +378,11 @@ void measure(const command &c) {
     solver_measure(s, phases, a.seconds);
     if (analyse != NOT_MEASURED) a.seconds[ANALYSE] = analyse;
     a.solution = c.solution && s->state == 3 && a.seconds[SOLVE3] >= 0.0 && a.seconds[SOLVE3] < HUGE_VAL;
+    std::vector<double> x(a.solution ? A.b.size() : 0);
+    if (a.solution) a.solution = !solver_all(s, A.n, A.sides, x.data());
     a.threads = threads();
     give(&a, sizeof a);
-    if (a.solution) give(s->solution(s), static_cast<size_t>(A.n) * RIGHT_SIDES * sizeof(double));
+    if (a.solution) give(x.data(), x.size() * sizeof(double));
     if (!c.phases) forget(s);
     else if (c.phases >> FACTOR & 1u) s->release(s, 0);
 }
