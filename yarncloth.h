@@ -9984,7 +9984,6 @@ typedef struct yci_grip {
 /* Kinds of elements, in the order of assembly. */
 enum {
     YCI_SEGMENT,
-    YCI_GRAVITY,
     YCI_BEND,
     YCI_SHEAR,
     YCI_ADJACENT,
@@ -9994,13 +9993,15 @@ enum {
     YCI_STITCH,
     YCI_TOUCH,
     YCI_GRIP,
-    YCI_KINDS
+    YCI_KINDS,
+    YCI_STRETCH = YCI_KINDS, /* the two parts of a segment's energy, for the table of energies */
+    YCI_GRAVITY
 };
 
 /* One element as the assembly sees it. */
 typedef struct yci_local {
-    int nodes, dofs, node[4];       /* scene nodes */
-    signed char slot[12], comp[12]; /* of each unknown: which node, which component of its block, -1: held */
+    int nodes, points, dofs, node[4]; /* scene nodes; unknowns: `points` of positions, and others behind */
+    signed char slot[12], comp[12];   /* of each unknown: which node, which component of its block, -1: held */
     double energy, g[12], h[144];
 } yci_local;
 
@@ -11352,7 +11353,7 @@ enum { YCI_ENERGY, YCI_GRADIENT, YCI_HESSIAN };
 
 static void yci_local_nodes(yci_local *out, int count, const int *node) {
     int i;
-    out->nodes = count, out->dofs = 3 * count;
+    out->nodes = count, out->points = out->dofs = 3 * count;
     for (i = 0; i < count; i++) out->node[i] = node[i];
     for (i = 0; i < 3 * count; i++) out->slot[i] = (signed char)(i / 3), out->comp[i] = (signed char)(i % 3);
 }
@@ -11476,20 +11477,23 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
     double q[12], *g = mode ? out->g : NULL, *h = mode == YCI_HESSIAN ? out->h : NULL;
     switch (kind) {
     case YCI_SEGMENT:
+    case YCI_STRETCH:
     case YCI_GRAVITY: {
         const yci_segment *e = m->segment + i;
-        int visit[2];
-        visit[0] = e->a, visit[1] = e->b;
-        yci_local_visits(s, out, q, 2, visit);
-        if (kind == YCI_GRAVITY) out->energy = yci_yarn_gravity(q, e->density, s->desc.gravity, g, h, 1);
-        else out->energy = yci_yarn_stretch(q, e->stretch, m->rate, e->previous, &e->tension, g, h, 1);
+        int k;
+        double weight[8];
+        yci_local_visits(s, out, q, 2, &e->a);
+        out->energy = 0.0;
+        if (kind != YCI_GRAVITY)
+            out->energy += yci_yarn_stretch(q, e->stretch, m->rate, e->previous, &e->tension, g, h, 1);
+        if (kind != YCI_STRETCH)
+            out->energy += yci_yarn_gravity(q, e->density, s->desc.gravity, g ? weight : NULL, NULL, 1);
+        for (k = 0; g && k < 8; k++) g[k] += weight[k];
         break;
     }
     case YCI_BEND: {
         const yci_bend *e = m->bend + i;
-        int visit[3];
-        visit[0] = e->a, visit[1] = e->b, visit[2] = e->c;
-        yci_local_visits(s, out, q, 3, visit);
+        yci_local_visits(s, out, q, 3, &e->a);
         out->energy = yci_yarn_bend(q, e->stiffness, 0.0, 0.0, m->rate, e->previous, g, h, 1);
         break;
     }
@@ -11503,7 +11507,7 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
     }
     case YCI_ADJACENT: {
         const yci_adjacent *e = m->adjacent + i;
-        out->nodes = 2, out->dofs = 0;
+        out->nodes = 2, out->points = out->dofs = 0;
         out->node[0] = s->visit_node[e->a], out->node[1] = s->visit_node[e->b];
         yci_local_slide(s, out, q, 0, e->a);
         yci_local_slide(s, out, q, 1, e->b);
@@ -11519,7 +11523,7 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
     }
     case YCI_SLIDE: {
         const yci_slide *e = m->slide + i;
-        out->nodes = 1, out->dofs = 0;
+        out->nodes = 1, out->points = out->dofs = 0;
         out->node[0] = s->visit_node[e->visit];
         yci_local_slide(s, out, q, 0, e->visit);
         out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, e->limit, g, h, 1);
@@ -11548,6 +11552,7 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
 static int yci_count(const yci_model *m, int kind) {
     switch (kind) {
     case YCI_SEGMENT:
+    case YCI_STRETCH:
     case YCI_GRAVITY: return m->segment_count;
     case YCI_BEND: return m->bend_count;
     case YCI_SHEAR: return m->shear_count;
@@ -11563,27 +11568,38 @@ static int yci_count(const yci_model *m, int kind) {
 
 /* ---- assembly ---- */
 
+/* Adds to the matrix's block of the element's nodes `a` and `b`: the 3x3 of their positions, and the rows and columns of
+ * further unknowns, which stand behind those of the positions. */
+static void yci_local_block(const yci_local *e, int a, int b, double *block, int stride) {
+    int i, j, r, points = e->points;
+    for (r = 0; r < 3 && points; r++)
+        for (j = 0; j < 3; j++) block[stride * r + j] += e->h[(3 * a + r) * e->dofs + 3 * b + j];
+    for (i = points; i < e->dofs; i++) {
+        if (e->comp[i] < 0) continue;
+        for (r = 0; r < 3 && points; r++) {
+            if (e->slot[i] == b) block[stride * r + e->comp[i]] += e->h[(3 * a + r) * e->dofs + i];
+            if (e->slot[i] == a) block[stride * e->comp[i] + r] += e->h[i * e->dofs + 3 * b + r];
+        }
+        for (j = points; j < e->dofs && e->slot[i] == a; j++)
+            if (e->slot[j] == b && e->comp[j] >= 0) block[stride * e->comp[i] + e->comp[j]] += e->h[i * e->dofs + j];
+    }
+}
+
 /* Adds an element's gradient and Hessian to the system; at a pinned node the gradient goes to its reaction. */
 static void yci_local_scatter(yci_model *m, const yci_local *e, int mode) {
     yci_bsr *a = &m->system.a;
-    double *block[4][4];
     int i, j, node[4];
     for (i = 0; i < e->nodes; i++) node[i] = m->system_node[e->node[i]];
-    for (i = 0; i < e->nodes && mode == YCI_HESSIAN; i++)
-        for (j = 0; j < e->nodes; j++)
-            block[i][j] = node[i] >= 0 && node[j] >= 0 ? a->val + a->at[yci_bsr_find(a, node[i], node[j])] : NULL;
     for (i = 0; i < e->dofs; i++) {
         int row = node[e->slot[i]];
         if (e->comp[i] < 0) continue;
-        if (row <= -2) m->reaction[3 * (-2 - row) + e->comp[i]] += e->g[i];
-        if (row < 0) continue;
-        m->gradient[a->off[row] + e->comp[i]] += e->g[i];
-        for (j = 0; j < e->dofs && mode == YCI_HESSIAN; j++) {
-            int column = node[e->slot[j]];
-            if (column >= 0 && e->comp[j] >= 0)
-                block[e->slot[i]][e->slot[j]][e->comp[i] * a->dim[column] + e->comp[j]] += e->h[i * e->dofs + j];
-        }
+        if (row >= 0) m->gradient[a->off[row] + e->comp[i]] += e->g[i];
+        else if (row <= -2) m->reaction[3 * (-2 - row) + e->comp[i]] += e->g[i];
     }
+    for (i = 0; i < e->nodes && mode == YCI_HESSIAN; i++)
+        for (j = 0; j < e->nodes && node[i] >= 0; j++)
+            if (node[j] >= 0)
+                yci_local_block(e, i, j, a->val + a->at[yci_bsr_find(a, node[i], node[j])], a->dim[node[j]]);
 }
 
 typedef struct yci_chunk {
@@ -12442,8 +12458,8 @@ YC_API yc_result yc_scene_step(yc_scene *s, double dt, yc_stats *out) {
 /* ---- what can be read ---- */
 
 YC_API yc_result yc_scene_energy(yc_scene *s, double terms[YC_TERM_COUNT]) {
-    static const int term_of[YCI_KINDS] = {YC_TERM_STRETCH, YC_TERM_GRAVITY, YC_TERM_BENDING, YC_TERM_SHEAR,
-        YC_TERM_ADJACENT, YC_TERM_SLIDE, YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY, YC_TERM_PAIR};
+    static const int term_of[] = {YC_TERM_COUNT, YC_TERM_BENDING, YC_TERM_SHEAR, YC_TERM_ADJACENT, YC_TERM_SLIDE,
+        YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY, YC_TERM_PAIR, YC_TERM_STRETCH, YC_TERM_GRAVITY};
     yci_model *m;
     yc_result result = yci_scene_build(s);
     int i, r, t, kind;
@@ -12454,7 +12470,8 @@ YC_API yc_result yc_scene_energy(yc_scene *s, double terms[YC_TERM_COUNT]) {
     result = yci_search(s);
     if (result != YC_OK) return result;
     yci_masses(s);
-    for (kind = 0; kind < YCI_KINDS; kind++) terms[term_of[kind]] += yci_assemble_kind(s, kind, 0);
+    for (kind = YCI_SEGMENT + 1; kind <= YCI_GRAVITY; kind++)
+        terms[term_of[kind]] += yci_assemble_kind(s, kind, YCI_ENERGY);
     for (i = 0; i < s->nodes; i++) terms[YC_TERM_GRAVITY] -= m->mass_fixed[i] * yci_dot(s->desc.gravity, s->x + 3 * i);
     for (i = 0; i < m->system.a.n; i++) yci_copy(m->dof + m->system.a.off[i], s->velocity + 3 * m->node_of[i]);
     for (i = 0; i < m->slide_count; i++) {
