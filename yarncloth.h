@@ -7336,30 +7336,31 @@ YC_FN double yci_yarn_friction_anchor(double u, double anchor, double k, double 
 
 /* -- compression --------------------------------------------------------------------------------------------------- */
 
-/* Force in N of one yarn on its offset centre line at the visit `here`. A visit is x[3], offset[3] (contact normal
- * times radius times layer), u; `before` or `after` is NULL at a yarn's end. */
-YC_FN void yci_yarn_crossing_force(double *force, const double *before, const double *here, const double *after,
-    double k_stretch, double k_bend, double theta_0) {
-    const double *neighbour[2];
+/* Force in N of one yarn on its offset centre line at the middle one of five visits: tension of the two segments there
+ * and the three turns that move with it. A visit is x[3], offset[3] (contact normal times radius times layer), u; NULL
+ * beyond a yarn's end. */
+YC_FN void yci_yarn_crossing_force(
+    double *force, const double *const visit[5], double k_stretch, double k_bend, double theta_0) {
+    const double *here = visit[2];
     double q[11], g[11], nowhere[3] = {0.0, 0.0, 0.0};
-    neighbour[0] = before, neighbour[1] = after;
     yci_zero(force, 3);
-    yci_add(q + 3, here, here + 3);
-    for (int side = 0; side < 2; side++) {
-        const double *other = neighbour[side];
+    for (int side = 1; side < 4; side += 2) {
+        const double *other = visit[side];
         double d[3], tension;
         if (!other) continue;
         yci_sub(d, other, here);
         tension = k_stretch * (yci_norm(d) / fabs(other[6] - here[6]) - 1.0);
-        yci_add(q + 6 * side, other, other + 3);
-        yci_sub(d, q + 6 * side, q + 3);
+        yci_axpy(d, 1.0, other + 3), yci_axpy(d, -1.0, here + 3);
         yci_normalize(d, nowhere);
         yci_axpy(force, tension, d);
-        q[9 + side] = other[6];
     }
-    if (!before || !after) return;
-    yci_yarn_bend(q, k_bend, theta_0, 0.0, 0.0, 0.0, g, NULL, 0);
-    yci_axpy(force, -1.0, g + 3);
+    for (int turn = 1; turn < 4; turn++) {
+        if (!visit[turn - 1] || !visit[turn] || !visit[turn + 1]) continue;
+        for (int i = 0; i < 3; i++) yci_add(q + 3 * i, visit[turn - 1 + i], visit[turn - 1 + i] + 3);
+        q[9] = visit[turn - 1][6], q[10] = visit[turn + 1][6];
+        yci_yarn_bend(q, k_bend, theta_0, 0.0, 0.0, 0.0, g, NULL, 0);
+        yci_axpy(force, -1.0, g + 3 * (3 - turn));
+    }
 }
 
 /* Compression lambda >= 0 in N of two yarns under these forces, the unit normal n pointing from low to high. */
@@ -12084,18 +12085,18 @@ static void yci_yarn_press(
     const yc_scene *s, const yci_cloth *cloth, int visit, int yarn, const double *n, double *force) {
     const yc_yarns *y = &cloth->yarns;
     const yc_yarn_material *material = y->materials + y->yarn_material[yarn];
-    double point[3][7];
-    int k, there[3];
-    for (k = 0; k < 3; k++) {
-        int at = visit + k - 1;
-        there[k] = k == 1 || (at >= y->yarn_first[yarn] && at < y->yarn_first[yarn + 1]);
+    const double *there[5];
+    double point[5][7];
+    int k;
+    for (k = 0; k < 5; k++) {
+        int at = visit + k - 2;
+        there[k] = at >= y->yarn_first[yarn] && at < y->yarn_first[yarn + 1] ? point[k] : NULL;
         if (!there[k]) continue;
         yci_copy(point[k], s->x + 3 * s->visit_node[cloth->visit + at]);
         yci_scale(point[k] + 3, n, material->radius * y->visit_layer[at]);
         point[k][6] = s->u[cloth->visit + at];
     }
-    yci_yarn_crossing_force(force, there[0] ? point[0] : NULL, point[1], there[2] ? point[2] : NULL, material->stretch,
-        material->bending, 0.0);
+    yci_yarn_crossing_force(force, there, material->stretch, material->bending, 0.0);
 }
 
 /* Compression at every sliding crossing, and with it what its friction can hold (YARN 4.3, 4.4). */

@@ -389,16 +389,18 @@ TEST(yarn_compression) {
     /* A flat plain weave under tension: spacing s, layers +-R. The upper yarn pulls down by 4 T R/sqrt(s^2 + 4 R^2). */
     double spacing = 1e-3, radius = 2e-4, u = spacing / 1.05, k = 100.0, n[3] = {0.0, 0.0, 1.0};
     double tension = k * 0.05, pull = 4.0 * tension * radius / sqrt(spacing * spacing + 4.0 * radius * radius);
-    double high[3][7], low[3][7], up[3], down[3], lambda, best = 1e30, at = 0.0;
+    double high[5][7], low[5][7], up[3], down[3], lambda, turn, best = 1e30, at = 0.0;
+    const double *highs[5], *lows[5];
     memset(high, 0, sizeof high), memset(low, 0, sizeof low);
-    for (int i = 0; i < 3; i++) {
-        double layer = i == 1 ? radius : -radius;
-        high[i][0] = spacing * (i - 1), high[i][5] = layer, high[i][6] = u * i;
-        low[i][1] = spacing * (i - 1), low[i][5] = -layer, low[i][6] = u * i;
+    for (int i = 0; i < 5; i++) {
+        double layer = i % 2 ? -radius : radius;
+        highs[i] = high[i], lows[i] = low[i];
+        high[i][0] = spacing * (i - 2), high[i][5] = layer, high[i][6] = u * i;
+        low[i][1] = spacing * (i - 2), low[i][5] = -layer, low[i][6] = u * i;
     }
-    yci_yarn_crossing_force(up, high[0], high[1], high[2], k, 0.0, 0.0);
+    yci_yarn_crossing_force(up, highs, k, 0.0, 0.0);
     CHECK(fabs(up[2] + pull) < 1e-12 * pull && fabs(up[0]) + fabs(up[1]) < 1e-15);
-    yci_yarn_crossing_force(down, low[0], low[1], low[2], 2.0 * k, 0.0, 0.0);
+    yci_yarn_crossing_force(down, lows, 2.0 * k, 0.0, 0.0);
     CHECK(fabs(down[2] - 2.0 * pull) < 1e-12 * pull);
     lambda = yci_yarn_compression(down, up, n);
     CHECK(fabs(lambda - 1.5 * pull) < 1e-12 * pull);
@@ -408,15 +410,20 @@ TEST(yarn_compression) {
     }
     CHECK(fabs(at - lambda) < 2e-3 * pull);
     CHECK(yci_yarn_compression(up, down, n) == 0.0);
-    /* Bending alone presses too: the force is that of the bending element on the offset polyline. */
-    yci_yarn_crossing_force(up, high[0], high[1], high[2], 0.0, 1e-9, 0.0);
-    CHECK(fabs(up[2] +
-              2.0 * (2.0 * 1e-9 * 2.0 * atan2(2.0 * radius, spacing) / (2.0 * u)) * spacing /
-                  (spacing * spacing + 4.0 * radius * radius)) < 1e-9 * fabs(up[2]));
+    /* Bending alone presses too: the turn of the crossing itself and, as much again, both turns beside it. */
+    turn = 2.0 * (2.0 * 1e-9 * 2.0 * atan2(2.0 * radius, spacing) / (2.0 * u)) * spacing /
+        (spacing * spacing + 4.0 * radius * radius);
+    yci_yarn_crossing_force(up, highs, 0.0, 1e-9, 0.0);
+    CHECK(fabs(up[2] + 2.0 * turn) < 1e-9 * turn);
+    highs[0] = highs[4] = NULL;
+    yci_yarn_crossing_force(up, highs, 0.0, 1e-9, 0.0);
+    CHECK(fabs(up[2] + turn) < 1e-9 * turn);
     /* At a yarn's end only one segment pulls. */
-    yci_yarn_crossing_force(up, high[0], high[1], NULL, k, 1e-9, 0.0);
+    highs[3] = NULL;
+    yci_yarn_crossing_force(up, highs, k, 1e-9, 0.0);
     CHECK(fabs(up[2] + 0.5 * pull) < 1e-12 * pull && up[0] < 0.0);
-    yci_yarn_crossing_force(up, NULL, high[1], high[2], k, 1e-9, 0.0);
+    highs[1] = NULL, highs[3] = high[3];
+    yci_yarn_crossing_force(up, highs, k, 1e-9, 0.0);
     CHECK(fabs(up[2] + 0.5 * pull) < 1e-12 * pull && up[0] > 0.0);
 }
 

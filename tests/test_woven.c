@@ -1,0 +1,349 @@
+/* Yarns against mechanics: modulus, elastica, buckling, the swing of a hanging yarn, a bead on a wire, a yarn around
+ * posts. Each against the analytic value and against the law of the discrete model, which tells the order. */
+#include "scenes/scenes.h"
+#include "scenes/yarns.h"
+#include "test.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double pi = 3.14159265358979323846;
+
+static yc_scene *scene_of(const yc_scene_desc *desc, const yc_cloth_desc *cloth) {
+    yc_scene *scene = NULL;
+    char why[YC_MESSAGE_SIZE];
+    if (!CHECK_RESULT(yc_scene_create(NULL, desc, &scene, why), YC_OK)) return NULL;
+    if (CHECK_RESULT(yc_scene_add_cloth(scene, cloth, NULL), YC_OK)) return scene;
+    yc_scene_destroy(scene);
+    return NULL;
+}
+
+/* Backward Euler over a step far longer than any vibration is a minimisation of the energy. Without gravity. */
+static yc_scene_desc statics(void) {
+    yc_scene_desc d = yc_scene_desc_preset(YC_REFERENCE);
+    memset(d.gravity, 0, sizeof d.gravity);
+    d.dt_max = 1e4, d.mass_damping = 1.0, d.tolerance = 1e-11, d.newton_limit = 400;
+    return d;
+}
+
+static void pin(yc_scene *scene, int node) { CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, node, NULL), YC_OK); }
+
+static void move(yc_scene *scene, int node, double x, double y, double z) {
+    double to[3];
+    to[0] = x, to[1] = y, to[2] = z;
+    CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, node, to), YC_OK);
+}
+
+static int advance(yc_scene *scene, double dt, int steps) {
+    for (; steps > 0; steps--)
+        if (!CHECK_RESULT(yc_scene_step(scene, dt, NULL), YC_OK)) return 0;
+    return 1;
+}
+
+/* The force of a pin, and where the nodes of a small network are. */
+static void pull_at(yc_scene *scene, int node, double force[3]) {
+    memset(force, 0, 3 * sizeof(double));
+    CHECK_RESULT(yc_scene_pin_force(scene, 0, YC_NODE, node, force), YC_OK);
+}
+static double size_of(const double a[3]) { return sqrt(a[0] * a[0] + a[1] * a[1] + a[2] * a[2]); }
+
+#define MOST_NODES 64
+static void place_of(yc_scene *scene, int node, double x[3]) {
+    double all[MOST_NODES][3];
+    CHECK_RESULT(yc_scene_positions(scene, 0, YC_NODE, all), YC_OK);
+    memcpy(x, all[node], sizeof all[node]);
+}
+static double speed_of(yc_scene *scene, int node) {
+    double all[MOST_NODES][3];
+    CHECK_RESULT(yc_scene_velocities(scene, 0, YC_NODE, all), YC_OK);
+    return all[node][0];
+}
+
+/* ---- stretch -------------------------------------------------------------------------------------------------- */
+
+static double stretched_force(double stretch, int pieces, double strain) {
+    yc_yarn_material material = yc_yarn_material_default();
+    double from[3] = {0.0, 0.0, 0.0}, to[3] = {0.1, 0.0, 0.0}, force[2][3] = {{0.0}};
+    scene_chain *chain;
+    yc_scene_desc settings = statics();
+    yc_scene *scene;
+    material.stretch = stretch;
+    chain = scene_chain_new(pieces, 0.1, from, to, &material);
+    scene = scene_of(&settings, &chain->cloth);
+    if (scene) {
+        pin(scene, 0), move(scene, pieces, 0.1 * (1.0 + strain), 0.0, 0.0);
+        if (advance(scene, 1e4, 1)) pull_at(scene, 0, force[0]), pull_at(scene, pieces, force[1]);
+        CHECK_NEAR(force[0][0], -force[1][0], 1e-9 * stretch);
+    }
+    yc_scene_destroy(scene);
+    scene_chain_free(chain);
+    return force[1][0];
+}
+
+/* EA times the strain, exactly, whatever the number of pieces. */
+TEST(woven_stretch_modulus) {
+    int pieces;
+    for (pieces = 1; pieces < 8; pieces += 3) {
+        CHECK_NEAR(stretched_force(50.0, pieces, 0.02), 50.0 * 0.02, 1e-8);
+        CHECK_NEAR(stretched_force(3.7, pieces, 0.3), 3.7 * 0.3, 1e-8);
+    }
+}
+
+/* ---- elastica ------------------------------------------------------------------------------------------------- */
+
+/* The tip of a rod clamped level, under a force on its tip: EI theta'' = fx sin(theta) - fy cos(theta), theta(0) = 0,
+ * theta'(length) = 0, by shooting. */
+static void elastica_tip(double length, double bending, const double force[3], double tip[2]) {
+    int pass, i, stage, k, n = 400;
+    double low = -20.0 / length, high = 0.0, h = length / n;
+    for (pass = 0; pass < 60; pass++) {
+        double y[4] = {0.0, 0.0, 0.0, 0.0}; /* theta, theta', x, y */
+        y[1] = 0.5 * (low + high);
+        for (i = 0; i < n; i++) { /* Runge and Kutta's fourth order */
+            double sum[4] = {0.0, 0.0, 0.0, 0.0}, rate[4] = {0.0, 0.0, 0.0, 0.0}, at[4];
+            for (stage = 0; stage < 4; stage++) {
+                double c = stage == 0 ? 0.0 : stage == 3 ? h : 0.5 * h;
+                for (k = 0; k < 4; k++) at[k] = y[k] + c * rate[k];
+                rate[0] = at[1], rate[1] = (force[0] * sin(at[0]) - force[1] * cos(at[0])) / bending;
+                rate[2] = cos(at[0]), rate[3] = sin(at[0]);
+                for (k = 0; k < 4; k++) sum[k] += (stage == 1 || stage == 2 ? 2.0 : 1.0) * rate[k];
+            }
+            for (k = 0; k < 4; k++) y[k] += h / 6.0 * sum[k];
+        }
+        if (y[1] > 0.0) high = 0.5 * (low + high);
+        else low = 0.5 * (low + high);
+        tip[0] = y[2], tip[1] = y[3];
+    }
+}
+
+/* How far the tip is off in x and y, as a share of the length, where the load has drawn it down by 0.7 of it. */
+static void tip_error(int pieces, double error[2]) {
+    double length = 0.1, tip[2] = {0.0, 0.0}, force[3], x[3];
+    yc_yarn_material rod = yc_yarn_material_default();
+    yc_scene_desc settings = statics();
+    scene_net *net;
+    yc_scene *scene;
+    int i;
+    rod.stretch = 1e4, rod.bending = 1e-5;
+    net = scene_tip_load(pieces, length, &rod, 1e-2);
+    scene = scene_of(&settings, &net->cloth);
+    error[0] = error[1] = HUGE_VAL;
+    if (scene) {
+        pin(scene, 0), pin(scene, 1);
+        for (i = 1; i <= 4; i++) {
+            move(scene, pieces + 1, length, -100.0 - 12.5 * i, 0.0);
+            if (!advance(scene, 1e4, 1)) break;
+        }
+        advance(scene, 1e4, 1);
+        pull_at(scene, pieces + 1, force), place_of(scene, pieces, x);
+        elastica_tip(length, rod.bending, force, tip);
+        CHECK(tip[1] < -0.7 * length && tip[1] > -0.72 * length);
+        error[0] = (x[0] - tip[0]) / length, error[1] = (x[1] - tip[1]) / length;
+    }
+    yc_scene_destroy(scene);
+    scene_net_free(net);
+}
+
+/* Second order: 5.0e-3, 1.2e-3 and 2.8e-4 of the length for 8, 16 and 32 pieces. */
+TEST(woven_elastica) {
+    double error[3][2];
+    int i;
+    for (i = 0; i < 3; i++) tip_error(8 << i, error[i]);
+    CHECK_NEAR(error[2][1], 0.0, 4e-4);
+    CHECK_NEAR(error[2][0], 0.0, 1e-4);
+    CHECK_NEAR(error[0][1] / error[1][1], 4.0, 0.6);
+    CHECK_NEAR(error[1][1] / error[2][1], 4.0, 0.4);
+}
+
+/* ---- buckling ------------------------------------------------------------------------------------------------- */
+
+/* A rod between two pins without moment, brought together by 1 % and 2 % of its length: the force at 0 by a straight
+ * line through both. */
+static double buckling_force(int pieces, double length, double bending) {
+    static const double shorten[2] = {1e-2, 2e-2};
+    double from[3] = {0.0, 0.0, 0.0}, to[3] = {0.0, 0.0, 0.0}, force[2][3] = {{0.0}};
+    yc_yarn_material rod = yc_yarn_material_default();
+    yc_scene_desc settings = statics();
+    scene_chain *chain;
+    yc_scene *scene;
+    int i;
+    rod.stretch = 1e4, rod.bending = bending, to[0] = length;
+    chain = scene_chain_new(pieces, length, from, to, &rod);
+    for (i = 0; i <= pieces; i++) { /* half a wave of about that length */
+        double s = (double)i / pieces;
+        chain->positions[i][1] = length * sqrt(4.0 * shorten[0]) / pi * sin(pi * s);
+        chain->positions[i][0] = length * (s * (1.0 - shorten[0]) - shorten[0] * sin(2.0 * pi * s) / (2.0 * pi));
+    }
+    scene = scene_of(&settings, &chain->cloth);
+    if (scene) {
+        pin(scene, 0);
+        for (i = 0; i < 2; i++) {
+            move(scene, pieces, length * (1.0 - shorten[i]), 0.0, 0.0);
+            if (!advance(scene, 1e4, 2)) break;
+            pull_at(scene, pieces, force[i]);
+        }
+    }
+    yc_scene_destroy(scene);
+    scene_chain_free(chain);
+    return -(2.0 * force[0][0] - force[1][0]);
+}
+
+/* Euler's load pi^2 EI / L^2. A chain of n hinges has sin^2(pi / 2n) for (pi / 2n)^2 in it: second order, 1.3 %, 0.32 %
+ * and 0.08 % below for 8, 16 and 32 pieces. */
+TEST(woven_euler_load) {
+    double length = 0.1, bending = 1e-5, exact = pi * pi * bending / (length * length), error[3];
+    int i;
+    for (i = 0; i < 3; i++) {
+        double half = 0.5 * pi / (8 << i), law = sin(half) * sin(half) / (half * half);
+        double found = buckling_force(8 << i, length, bending) / exact;
+        CHECK_NEAR(found, law, 1e-4);
+        error[i] = found - 1.0;
+    }
+    CHECK_NEAR(error[2], 0.0, 1e-3);
+    CHECK_NEAR(error[0] / error[1], 4.0, 0.2);
+    CHECK_NEAR(error[1] / error[2], 4.0, 0.4);
+}
+
+/* ---- a hanging yarn swings ------------------------------------------------------------------------------------ */
+
+/* The lowest frequency of a yarn without bending hung up at one end, from three passages of its lower end through the
+ * vertical; backward Euler turns by atan(w h) a step, which is taken out. */
+static double swing_frequency(int pieces, double length, double h) {
+    yc_yarn_material material = yc_yarn_material_default();
+    double from[3] = {0.0, 0.0, 0.0}, to[3] = {0.0, 0.0, 0.0}, x[3], crossing[3] = {0.0}, before = 1.0;
+    yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
+    scene_chain *chain;
+    yc_scene *scene;
+    int step, i, found = 0;
+    to[1] = -length, material.stretch = 1e4, material.density = 1e-4, material.bending = 0.0;
+    chain = scene_chain_new(pieces, length, from, to, &material);
+    for (i = 0; i <= pieces; i++) { /* the mode's shape, J0 of twice the root of its height, for a swing of 1 % */
+        double z = 2.4048255577 * sqrt(1.0 - (double)i / pieces) * 0.5, term = 1.0, sum = 1.0;
+        int k;
+        for (k = 1; k < 12; k++) term *= -z * z / (k * k), sum += term;
+        chain->positions[i][0] = 0.01 * length * sum;
+    }
+    settings.tolerance = 1e-11, settings.dt_max = 1.0;
+    scene = scene_of(&settings, &chain->cloth);
+    if (scene) {
+        pin(scene, 0);
+        for (step = 1; found < 3 && step < 4000 && advance(scene, h, 1); step++) {
+            place_of(scene, pieces, x);
+            if (before * x[0] <= 0.0) crossing[found++] = step - x[0] / (x[0] - before);
+            before = x[0];
+        }
+    }
+    yc_scene_destroy(scene);
+    scene_chain_free(chain);
+    return CHECK(found == 3) ? tan(2.0 * pi / (crossing[2] - crossing[0])) / h : 0.0;
+}
+
+/* Bernoulli's hanging chain: w = j / 2 sqrt(g / L), j the first zero of J0. Second order: 0.4 %, 0.1 % and 0.02 % low
+ * for 8, 16 and 32 pieces. */
+TEST(woven_hanging_swing) {
+    double exact = 0.5 * 2.4048255577 * sqrt(9.81 / 0.2), error[3];
+    int i;
+    for (i = 0; i < 3; i++) error[i] = swing_frequency(8 << i, 0.2, 2e-3) / exact - 1.0;
+    CHECK_NEAR(error[2], 0.0, 5e-4);
+    CHECK_NEAR(error[0] / error[1], 4.0, 0.3);
+    CHECK_NEAR(error[1] / error[2], 4.0, 0.3);
+}
+
+/* ---- a bead on a wire ----------------------------------------------------------------------------------------- */
+
+/* Settles the bead with gravity across the wire, tilts gravity, and lets it go for 20 ms, in which what the tilt has
+ * set off dies out, and for `time` more. Returns how far it came in all and its mean acceleration at last. */
+static double bead_run(const scene_bead_desc *d, double slope, double time, double *acceleration) {
+    yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
+    scene_net *net = scene_bead(d);
+    yc_scene *scene;
+    double h = 1e-3, v, x[3] = {0.0}, moved = 0.0;
+    settings.dt_max = 1.0, settings.newton_limit = 10000, settings.tolerance = 1e-14;
+    scene = scene_of(&settings, &net->cloth);
+    *acceleration = HUGE_VAL;
+    if (scene) {
+        pin(scene, 0), pin(scene, 1);
+        advance(scene, h, 10);
+        place_of(scene, 2, x), moved = -x[0];
+        settings.gravity[0] = 9.81 * sin(slope), settings.gravity[1] = -9.81 * cos(slope);
+        CHECK_RESULT(yc_scene_tune(scene, &settings), YC_OK);
+        advance(scene, h, 20), v = speed_of(scene, 2);
+        advance(scene, h, (int)floor(time / h + 0.5)), *acceleration = (speed_of(scene, 2) - v) / time;
+        place_of(scene, 2, x), moved += x[0];
+    }
+    yc_scene_destroy(scene);
+    scene_net_free(net);
+    return moved;
+}
+
+/* The wire carries all of the bead's weight W at the crossing, the bar hands down W less what its own node there
+ * weighs, a share of 1/(2 pieces); compression is the mean of both. So friction is that of mu (1 - 1/(4 pieces)): a
+ * first-order error. */
+TEST(woven_bead_on_a_wire) {
+    double slope = 0.7, error[3], found;
+    int i;
+    for (i = 0; i < 3; i++) {
+        scene_bead_desc d = scene_bead_desc_default();
+        double law, exact = 9.81 * (sin(slope) - d.friction * cos(slope));
+        d.pieces = 4 << i;
+        law = d.friction * (1.0 - 0.25 / d.pieces);
+        bead_run(&d, slope, 0.02, &found);
+        CHECK_NEAR(found, 9.81 * (sin(slope) - law * cos(slope)), 1e-3 * exact);
+        error[i] = found / exact - 1.0;
+    }
+    CHECK_NEAR(error[2], 0.0, 0.01);
+    CHECK_NEAR(error[0] / error[1], 2.0, 0.1);
+    CHECK_NEAR(error[1] / error[2], 2.0, 0.1);
+}
+
+TEST(woven_bead_sticks) {
+    scene_bead_desc d = scene_bead_desc_default();
+    double law = d.friction * (1.0 - 0.25 / d.pieces), found, angle = atan(1.01 * law);
+    CHECK_NEAR(bead_run(&d, atan(0.99 * law), 0.05, &found), 0.0, 1e-9);
+    CHECK_NEAR(found, 0.0, 1e-9);
+    CHECK(bead_run(&d, angle, 0.05, &found) > 2e-5);
+    CHECK_NEAR(found, 9.81 * 0.01 * law * cos(angle), 1e-2 * 9.81 * 0.01 * law);
+}
+
+/* ---- a yarn around posts -------------------------------------------------------------------------------------- */
+
+/* Drawn over all posts against a nearly constant pull, until it slides everywhere: the ratio of both pulls. */
+static double capstan_ratio(const scene_capstan_desc *d) {
+    scene_net *net = scene_capstan(d);
+    yc_scene_desc settings = statics();
+    yc_scene *scene = scene_of(&settings, &net->cloth);
+    double out[3], first[3] = {1.0, 0.0, 0.0}, last[3] = {0.0, 0.0, 0.0}, reach = 0.0;
+    int n = d->crossings, i;
+    scene_capstan_out(net, d, out);
+    if (scene) {
+        for (i = n + 2; i < net->yarns.node_count; i++) pin(scene, i);
+        for (i = 0; i < 16; i++) {
+            const double *x = net->positions[n + 1];
+            reach += 0.2 * d->segment * (n + 1) * d->tension / d->stretch;
+            move(scene, n + 1, x[0] + reach * out[0], x[1] + reach * out[1], x[2] + reach * out[2]);
+            if (!advance(scene, 1.0, 1)) break;
+        }
+        pull_at(scene, n + 2, first), pull_at(scene, n + 1, last);
+    }
+    yc_scene_destroy(scene);
+    scene_net_free(net);
+    return size_of(last) / size_of(first);
+}
+
+/* Where a yarn with pulls T and T' turns by t, compression is (T + T') sin(t/2) and T' - T what friction holds: T'/T =
+ * (1 + s) / (1 - s), s = mu sin(t/2). Of n equal turns the power n is Euler's exp(mu n t), to second order in t. */
+TEST(woven_capstan) {
+    double error[3];
+    int i;
+    for (i = 0; i < 3; i++) {
+        scene_capstan_desc d = scene_capstan_desc_default();
+        double s, law, found, exact = exp(d.friction * d.wrap);
+        d.crossings = 4 << i;
+        s = d.friction * sin(0.5 * d.wrap / d.crossings), law = pow((1.0 + s) / (1.0 - s), d.crossings);
+        found = capstan_ratio(&d);
+        CHECK_NEAR(found, law, 5e-4 * law);
+        error[i] = found / exact - 1.0;
+    }
+    CHECK_NEAR(error[2], 0.0, 2e-3);
+    CHECK_NEAR(error[0] / error[1], 4.0, 0.4);
+}
