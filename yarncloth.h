@@ -8093,38 +8093,36 @@ static const unsigned char yci_draft_satin[25] = {
 
 static const yci_fabric_row yci_fabric_rows[] = {
     {"cotton shirting",
-        "Counts, threads and mass are standard trade values; crimp, KES and drape ranges are typical of plain shirtings "
-        "(Kawabata 1980), single fabrics differ by a factor of two.",
+        "Counts, threads and mass as in the trade; crimp, KES and drape ranges are typical textbook values, single "
+        "fabrics differ by a factor of two.",
         YC_FIBRE_COTTON, {15, 15}, {34, 28}, 0, {7, 7}, 2.5, 1, 0, NULL, {95, 130}, {{4, 12}, {4, 12}}, {34, 84},
         {1, 3}, 490, {2, 6}, {45, 70}},
     {"linen plain",
-        "Counts, threads and mass are typical of medium linens; bending and KES ranges are known to an order of "
-        "magnitude only.",
+        "Counts, threads and mass typical of medium linens; bending, crimp and KES ranges are orders of magnitude.",
         YC_FIBRE_LINEN, {50, 50}, {16, 14}, 0, {5, 5}, 2.5, 1, 0, NULL, {150, 190}, {{20, 60}, {20, 60}}, {40, 110},
         {1.5, 5}, 490, {2, 5}, {60, 85}},
     {"denim 3/1 twill",
-        "Counts, threads and mass of a 12 oz denim are standard trade values; crimp, KES and drape ranges are typical, "
-        "single fabrics differ by a factor of two.",
+        "Counts, threads and mass of a 12 oz denim as in the trade; crimp, KES and drape ranges are typical textbook "
+        "values, single fabrics differ by a factor of two.",
         YC_FIBRE_COTTON, {84, 75}, {25, 17}, 0, {11, 3.5}, 2.5, 1, 4, yci_draft_denim, {320, 480},
         {{40, 120}, {20, 60}}, {110, 280}, {4, 10}, 490, {2, 8}, {80, 95}},
     {"polyester satin",
-        "A five-end satin of filament yarn with typical counts and threads; KES and drape ranges are typical, single "
-        "fabrics differ by a factor of two.",
+        "A five-end satin of flat filament yarn, counts and threads typical; KES and drape ranges are typical textbook "
+        "values, single fabrics differ by a factor of two.",
         YC_FIBRE_POLYESTER, {8.3, 8.3}, {80, 38}, 0, {3, 2}, 1.25, 0.45, 5, yci_draft_satin, {80, 120},
         {{2, 6}, {2, 6}}, {14, 28}, {0.3, 1}, 490, {2, 8}, {15, 35}},
     {"cotton single jersey",
-        "Loop length and count are standard trade values, wales and courses dry-relaxed after Munden 1959; KES and drape "
-        "ranges are typical.",
+        "Loop length and count as in the trade, wales and courses near the dry-relaxed ones of Munden 1959; KES and "
+        "drape ranges are typical textbook values.",
         YC_FIBRE_COTTON, {20, 20}, {14.8, 19.3}, 2.8, {0, 0}, 2.5, 1, 0, NULL, {140, 180}, {{1, 5}, {1, 5}}, {22, 45},
         {1.5, 4}, 49, {10, 40}, {15, 35}},
     {"wool rib 1x1",
-        "Count of 2/28 Nm and loop length are typical, wales and courses fully relaxed after Munden 1959 as for plain "
-        "knitting; KES and drape ranges are known to an order of magnitude only.",
+        "Yarn 2/28 Nm and loop length typical, wales and courses from the fully relaxed ones that Munden 1959 gives for "
+        "plain knitting; KES and drape ranges are orders of magnitude.",
         YC_FIBRE_WOOL, {71, 71}, {7.6, 10}, 5.5, {0, 0}, 2.5, 1, 0, NULL, {250, 320}, {{10, 40}, {10, 40}}, {28, 56},
         {2, 5}, 49, {40, 100}, {20, 45}},
     {"wool stockinette",
-        "Hand-knitted of DK yarn at the gauge of its label; bending is known to an order of magnitude only, KES values "
-        "are not published.",
+        "DK yarn at the gauge of its label; bending is an order of magnitude, KES and drape values are not known.",
         YC_FIBRE_WOOL, {440, 440}, {2.2, 3}, 19, {0, 0}, 2.5, 1, 0, NULL, {450, 600}, {{0, 0}, {0, 0}}, {0, 0}, {0, 0},
         0, {0, 0}, {0, 0}}};
 
