@@ -431,8 +431,8 @@ typedef struct yc_weave_desc {
     double crimp[2];
     yc_edge edge[2]; /* [YC_WARP], [YC_WEFT]: ends of that family at a free outline; default YC_EDGE_CUT, twice */
     /* [1, 1000]; default 1. Yarns that are laid as one: spacing is that many times as wide and materials are changed so
-     * that the cloth weighs, stretches, bends and shears as before; the pattern of draft and orders grows with it. Not
-     * the rod. Only the friction that tension adds at crimped crossings does not follow: see yci_yarn_bundle */
+     * that the cloth weighs, stretches, bends and shears as before, and friction of sliding stays but for what crimp
+     * adds; see yci_yarn_bundle. Draft and orders count bundles, so the pattern grows. The rod is one yarn always */
     int bundle;
     double grain;   /* rad, turns the yarns against the pattern's axes, counter-clockwise; default 0 */
     double size[2]; /* m, width and height of the cloth when no mesh is given; default 0.2, 0.2 */
@@ -500,8 +500,8 @@ YC_API yc_result yc_draft_honeycomb(const yc_host *host, int n, yc_draft *out, c
 
 /* What a weaver sets up on a loom. Plain arrays of the caller's; read during the call. */
 typedef struct yc_loom {
-    int shafts, treadles; /* 1 .. 1024 */
-    int count[2];         /* warps, wefts of the draft; 1 .. 65536, their product at most 2^24 */
+    int shafts, treadles; /* 1 .. 4096 */
+    int count[2];         /* warps, wefts of the draft; 1 .. 65536; warps times wefts or shafts at most 2^24 */
     const int *threading; /* [count[0]], the shaft of every warp, 0 .. shafts - 1; -1: none */
     /* [treadles * shafts], tieup[t * shafts + s] nonzero: treadle t moves shaft s. NULL: treadle t moves shaft t alone,
      * and treadling is a liftplan; then treadles must be shafts */
@@ -540,7 +540,8 @@ typedef struct yc_draft_facts {
     int longest[2]; /* [YC_WARP], [YC_WEFT]: crossings that a yarn passes on one side in a row, at most; 0: endless */
     int holds;      /* 0: some of the yarns lie above all others and come off (Clapham 1980). 1: it holds together */
 } yc_draft_facts;
-/* draft: its repeat and over are looked at. *out is untouched on failure. Errors: ARGUMENT, MEMORY. Cost: linear. */
+/* draft: its repeat and over are looked at. *out is untouched on failure. Errors: ARGUMENT, MEMORY. Cost: linear
+ * in the crossings. */
 YC_API yc_result yc_draft_examine(const yc_host *host, const yc_draft *draft, yc_draft_facts *out, char *message);
 
 /* ---- fabrics ---------------------------------------------------------------------------------------------------- */
@@ -6067,9 +6068,9 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.m
  *   - it ends in a lone node on the outline, where its tail (from the last crossing) is at least 0.3 spacings long at a
  *     seam or selvedge, 0.05 at a cut edge;
  *   - shorter, seam or cut edge: it lets go of its last crossing and ends on the outline, so that it reaches that without
- *     a tiny segment; the crossing becomes a lone node of the other yarn. At a cut edge a yarn thus has a tail that can
- *     slide out of its last crossing, always; it is kept short of a stub so that the cloth keeps its outermost yarns;
- *   - shorter, selvedge: it ends at its last crossing. At a selvedge last crossings are held.
+ *     a tiny segment; the crossing becomes a lone node of the other yarn;
+ *   - shorter, selvedge: it ends at its last crossing.
+ * So at a cut edge every yarn has a tail, which can slide out of its last crossing; at a selvedge last crossings are held.
  * A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
  *
  * Rods. Seam edges chain up between branching points; along each chain the yarn ends of both sides, in order, are
@@ -6077,6 +6078,9 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.m
  * than 0.05 spacings (often: equal pieces have equal lattices) are first moved apart along the seam to that distance,
  * so that no segment of the rod is tiny and the rod still starts at rest. Where there is no room to move them, the
  * rod's rest length is the greater. A rod along a closed chain is open between its last and first end.
+ *
+ * Drafts come by rule, from a loom's parts, or from a Weaving Information File, which is read twice: for its sizes, then
+ * into matrices of the loom.
  *
  * Promises: the result depends on nothing but the inputs; time is linear in triangles, crossings and yarns, but for the
  * sorting of the cuts; working memory is freed before return, and the network is one block.
@@ -6118,7 +6122,7 @@ YC_API yc_weave_desc yc_weave_desc_default(void) {
     return d;
 }
 
-/* What yc_weave_material needs of a family's yarns, averaged over its order. */
+/* A family's yarns, with what yc_weave_material needs of them averaged over their order. */
 static yc_yarn_material yci_weave_mean(const yc_weave_desc *d, int family) {
     yc_yarn_material mean = family == YC_WARP ? d->warp : d->weft;
     int i, count = d->order_count[family];
@@ -6151,11 +6155,12 @@ YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc) {
  *   shear                    1/2 k_x L phi^2: by k
  *   contact                  (k_c/d) g(d - L), where g is quadratic and the touching distance d grows by k: by k
  *   slide                    1/2 k_f s^2, and s stays: what a yarn slides, it slides past all crossings on its way. k^2
- *   preload                  friction lets go at s = mu N / k_f: k^2 too
+ *   preload                  friction of sliding lets go at s = mu N / k_f: k^2 too
  *   crimp_bending            about EI h^2 / L^3, where the height h grows by k like the radius: k^3
  *   strength                 k yarns at the tension of each: k
- * What tension adds to N has T kappa L on a curved cloth, which grows by k^2 as it should; T h / L of crimp grows by k
- * alone, as it should for crimp itself, while its part of the friction is too small by k. */
+ * The moment of friction, mu N times a share of the radius, should grow by k^2 as well; that of the preload grows by k^3.
+ * Tension adds T kappa L to N where cloth is curved, which grows by k^2, and T h / L at a crimped crossing, which grows by
+ * k: right for the moment and for crimp itself, too little by k for sliding. */
 static void yci_yarn_bundle(yc_yarn_material *m, double k) {
     m->stretch *= k, m->bending *= k, m->density *= k, m->radius *= k, m->shear *= k, m->contact *= k;
     m->slide *= k * k, m->preload *= k * k, m->crimp_bending *= k * k * k, m->strength *= k;
@@ -7298,9 +7303,9 @@ YC_API void yc_yarns_destroy(yc_yarns *yarns) {
 /* ---- drafts ------------------------------------------------------------------------------------------------------ */
 
 #define YCI_DRAFT_COUNT 65536    /* warps, wefts, colours of a draft */
-#define YCI_DRAFT_CELLS 16777216 /* warps times wefts */
+#define YCI_DRAFT_CELLS 16777216 /* of each matrix of a loom */
 #define YCI_DRAFT_FLOAT 256      /* floats and counts of the weaves with names */
-#define YCI_DRAFT_SHAFTS 1024
+#define YCI_DRAFT_SHAFTS 4096
 
 /* Points the arrays of a draft, whose counts are set, into the block and returns its size, like yci_weave_arrays. */
 static size_t yci_draft_arrays(yc_draft *d, char *block, int with_colours) {
@@ -7482,7 +7487,9 @@ static yc_result yci_draft_check_loom(yci_context *c, const yc_loom *loom) {
     if (!loom) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "loom must not be NULL");
     result = yci_draft_range(c, "loom.shafts", loom->shafts, 1, YCI_DRAFT_SHAFTS);
     if (result == YC_OK) result = yci_draft_range(c, "loom.treadles", loom->treadles, 1, YCI_DRAFT_SHAFTS);
-    if (result == YC_OK) result = yci_draft_range(c, "loom.count[0]", loom->count[0], 1, YCI_DRAFT_COUNT);
+    if (result == YC_OK)
+        result = yci_draft_range(
+            c, "loom.count[0]", loom->count[0], 1, yci_min_int(YCI_DRAFT_COUNT, YCI_DRAFT_CELLS / loom->shafts));
     if (result == YC_OK)
         result = yci_draft_range(
             c, "loom.count[1]", loom->count[1], 1, yci_min_int(YCI_DRAFT_COUNT, YCI_DRAFT_CELLS / loom->count[0]));
@@ -7832,14 +7839,23 @@ static yc_result yci_wif_missing(yci_wif *w, const char *what) {
     return YCI_FAIL(w->c, YC_ERROR_PARSE, "wif: %s", what);
 }
 
+static int yci_wif_fits(yci_wif *w, const char *rows, int row_count, const char *columns, int column_count) {
+    if (!column_count || row_count <= YCI_DRAFT_CELLS / column_count) return 1;
+    w->result = YCI_FAIL(w->c, YC_ERROR_PARSE, "wif: %d %s by %d %s are more than %d", row_count, rows, column_count,
+        columns, YCI_DRAFT_CELLS);
+    return 0;
+}
+
 /* Whether the sizes make sense together. */
 static yc_result yci_wif_check(yci_wif *w) {
     if (!w->shafts) return yci_wif_missing(w, "Shafts is missing in [WEAVING]");
     if (!w->count[0]) return yci_wif_missing(w, "Threads is missing in [WARP]");
     if (!w->count[1]) return yci_wif_missing(w, "Threads is missing in [WEFT]");
-    if (w->count[0] > YCI_DRAFT_CELLS / w->count[1])
-        return YCI_FAIL(w->c, YC_ERROR_PARSE, "wif: %d warps by %d wefts are more than %d crossings", w->count[0],
-            w->count[1], YCI_DRAFT_CELLS);
+    if (!yci_wif_fits(w, "warps", w->count[0], "wefts", w->count[1]) ||
+        !yci_wif_fits(w, "warps", w->count[0], "shafts", w->shafts) ||
+        !yci_wif_fits(w, "wefts", w->count[1], "shafts", w->shafts) ||
+        !yci_wif_fits(w, "wefts", w->count[1], "treadles", w->treadles))
+        return w->result;
     if (!w->lines[YCI_WIF_THREADING]) return yci_wif_missing(w, "[THREADING] is missing");
     if (w->lines[YCI_WIF_LIFTPLAN]) return YC_OK;
     if (!w->lines[YCI_WIF_TREADLING]) return yci_wif_missing(w, "[TREADLING] and [LIFTPLAN] are missing");

@@ -1067,6 +1067,7 @@ TEST(fabric_presets) {
     yc_fabric fabric, before;
     yc_draft satin, twill;
     int i, f;
+    memset(&satin, 0, sizeof satin), memset(&twill, 0, sizeof twill);
     for (i = 0; i < YC_FABRIC_COUNT; i++) {
         double mass;
         if (!CHECK_RESULT(yc_fabric_get((yc_fabric_name)i, &fabric), YC_OK)) return;
