@@ -301,7 +301,7 @@ typedef struct yc_yarn_material {
     double friction;    /* Coulomb coefficient between crossing yarns; [0, 10]; default 0.3 */
     double slide;       /* k_f, N/m: stiffness of the anchored friction spring; > 0; default 100 */
     /* N: what presses the yarns of a crossing together at rest, as weaving and finishing leave it; the mean of both
-     * yarns counts, and friction of sliding and of turning adds it to the force that the state gives; >= 0; default 0 */
+     * yarns counts, and friction of sliding and of turning adds it to what the state gives; >= 0; default 0 */
     double preload;
     /* N m^2: EI of the undulation of a crimped yarn. Another value than `bending` only where a yarn stands for several;
      * > 0; default 3e-9. Not used without crimp */
@@ -458,15 +458,15 @@ YC_API void yc_yarns_destroy(yc_yarns *yarns);
 
 /* The triangle material that stretches, shears, bends and weighs like the weave does when straight: stretch EA/spacing,
  * shear 4 k_x/spacing summed over both families' halves, bending EI/spacing, density as laid, which with crimp is that
- * of (1 + crimp) times the length. Stretch knows of no crimp. Where there is an order, the mean of its materials counts.
- * desc is not checked. */
+ * of (1 + crimp) times the length. Stretch knows of no crimp. Where there is an order, the mean of its materials
+ * counts. desc is not checked. */
 YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc);
 
 /* ---- drafts ----------------------------------------------------------------------------------------------------- */
 
 /* One repeat of a weave, and of its colours. Column 0 is the warp at the left, row 0 the weft woven first, at the
- * bottom; the cloth is seen from the front. Made by the functions below, or filled in by the caller (then the arrays are
- * the caller's, `owner` is NULL and yc_draft_destroy does nothing). */
+ * bottom; the cloth is seen from the front. Made by the functions below, or filled in by the caller (then the arrays
+ * are the caller's, `owner` is NULL and yc_draft_destroy does nothing). */
 typedef struct yc_draft {
     int repeat[2];       /* columns (warps) and rows (wefts); >= 1 */
     unsigned char *over; /* [repeat[1] * repeat[0]], over[r * repeat[0] + c] nonzero: warp c passes over weft r */
@@ -480,22 +480,22 @@ typedef struct yc_draft {
 } yc_draft;
 
 /* The weaves that have names. All share: host NULL is a zeroed one; *out receives the draft, untouched on failure, free
- * with yc_draft_destroy; message is NULL or YC_MESSAGE_SIZE bytes. Errors: ARGUMENT (a number out of its range), MEMORY.
- * Floats, shafts and counts are at most 256. */
+ * with yc_draft_destroy; message is NULL or YC_MESSAGE_SIZE bytes. Errors: ARGUMENT (a number out of its range),
+ * MEMORY. Floats, shafts and counts are at most 256. */
 YC_API yc_result yc_draft_plain(const yc_host *host, yc_draft *out, char *message);
 /* Warps pass over `over` wefts, then under `under`, >= 1 each, the next one a weft later. hand 'Z': the diagonal climbs
  * to the right; 'S': to the left. */
 YC_API yc_result yc_draft_twill(const yc_host *host, int over, int under, char hand, yc_draft *out, char *message);
-/* Single crossings, scattered: in column c at row c * move modulo `shafts`. shafts >= 5; move 2 .. shafts - 2, without a
- * common divisor with shafts (6 has none). face YC_WARP: warps float on the front; YC_WEFT: wefts do (sateen). */
+/* Single crossings, scattered: in column c at row c * move modulo `shafts`. shafts >= 5; move 2 .. shafts - 2, without
+ * a common divisor with shafts (6 has none). face YC_WARP: warps float on the front; YC_WEFT: wefts do (sateen). */
 YC_API yc_result yc_draft_satin(const yc_host *host, int shafts, int move, int face, yc_draft *out, char *message);
 /* Plain weave of `ends` warps and `picks` wefts at a time, >= 1 each. */
 YC_API yc_result yc_draft_basket(const yc_host *host, int ends, int picks, yc_draft *out, char *message);
 /* Plain weave in which one family floats over `length` >= 2 yarns of the other at a time: family YC_WARP, warp rep,
  * whose ribs run along the wefts; YC_WEFT, weft rep. */
 YC_API yc_result yc_draft_rep(const yc_host *host, int length, int family, yc_draft *out, char *message);
-/* Honeycomb (waffle) of n x n, n even and >= 6: a lattice of diamonds, alternately filled with warp floats of up to n - 3
- * and weft floats of up to n - 1, which relaxes into cells. */
+/* Honeycomb (waffle) of n x n, n even and >= 6: a lattice of diamonds, filled with warp floats of up to n - 3 and weft
+ * floats of up to n - 1 in turn, which relaxes into cells. */
 YC_API yc_result yc_draft_honeycomb(const yc_host *host, int n, yc_draft *out, char *message);
 
 /* What a weaver sets up on a loom. Plain arrays of the caller's; read during the call. */
@@ -531,8 +531,7 @@ YC_API yc_result yc_draft_wif(const yc_host *host, const char *text, size_t leng
 YC_API void yc_draft_destroy(yc_draft *draft);
 
 /* Points desc->draft, repeat, order and order_count to the draft, which must live as long as desc is used, and sets
- * spacing where it is known. Orders take effect once the caller gives desc->materials, one for each colour. Never fails.
- */
+ * spacing where it is known. Orders take effect once the caller gives desc->materials, one for each colour. */
 YC_API void yc_draft_use(const yc_draft *draft, yc_weave_desc *desc);
 
 /* Whether a draft makes good cloth. */
@@ -6067,11 +6066,11 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.m
  * becomes a yarn:
  *   - it ends in a lone node on the outline, where its tail (from the last crossing) is at least 0.3 spacings long at a
  *     seam or selvedge, 0.05 at a cut edge;
- *   - shorter, seam or cut edge: it lets go of its last crossing and ends on the outline, so that it reaches that without
- *     a tiny segment; the crossing becomes a lone node of the other yarn;
+ *   - shorter, seam or cut edge: it lets go of its last crossing and ends on the outline, so that it reaches that
+ *     without a tiny segment; the crossing becomes a lone node of the other yarn;
  *   - shorter, selvedge: it ends at its last crossing.
- * So at a cut edge every yarn has a tail, which can slide out of its last crossing; at a selvedge last crossings are held.
- * A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
+ * So at a cut edge every yarn has a tail, which can slide out of its last crossing; at a selvedge last crossings are
+ * held. A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
  *
  * Rods. Seam edges chain up between branching points; along each chain the yarn ends of both sides, in order, are
  * visited by a rod. Its u is the arc length along the seam, by the mean of both sides' pattern lengths. Ends closer
@@ -6079,8 +6078,8 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.m
  * so that no segment of the rod is tiny and the rod still starts at rest. Where there is no room to move them, the
  * rod's rest length is the greater. A rod along a closed chain is open between its last and first end.
  *
- * Drafts come by rule, from a loom's parts, or from a Weaving Information File, which is read twice: for its sizes, then
- * into matrices of the loom.
+ * Drafts come by rule, from a loom's parts, or from a Weaving Information File, which is read twice: for its sizes,
+ * then into matrices of the loom.
  *
  * Promises: the result depends on nothing but the inputs; time is linear in triangles, crossings and yarns, but for the
  * sorting of the cuts; working memory is freed before return, and the network is one block.
@@ -6158,9 +6157,9 @@ YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc) {
  *   preload                  friction of sliding lets go at s = mu N / k_f: k^2 too
  *   crimp_bending            about EI h^2 / L^3, where the height h grows by k like the radius: k^3
  *   strength                 k yarns at the tension of each: k
- * The moment of friction, mu N times a share of the radius, should grow by k^2 as well; that of the preload grows by k^3.
- * Tension adds T kappa L to N where cloth is curved, which grows by k^2, and T h / L at a crimped crossing, which grows by
- * k: right for the moment and for crimp itself, too little by k for sliding. */
+ * The moment of friction, mu N times a share of the radius, should grow by k^2 as well; that of the preload grows by
+ * k^3. Tension adds T kappa L to N where cloth is curved, which grows by k^2, and T h / L at a crimped crossing, which
+ * grows by k: right for the moment and for crimp itself, too little by k for sliding. */
 static void yci_yarn_bundle(yc_yarn_material *m, double k) {
     m->stretch *= k, m->bending *= k, m->density *= k, m->radius *= k, m->shear *= k, m->contact *= k;
     m->slide *= k * k, m->preload *= k * k, m->crimp_bending *= k * k * k, m->strength *= k;
@@ -7599,7 +7598,7 @@ YC_API yc_result yc_draft_examine(const yc_host *host, const yc_draft *draft, yc
     total = draft->repeat[0] + draft->repeat[1];
     seen = YCI_NEW(&c, unsigned char, total), queue = YCI_NEW(&c, int, total);
     if (seen && queue) {
-        /* Cloth falls apart where a set of yarns lies above all others: where the relation is not strongly connected. */
+        /* Cloth falls apart where some yarns lie above all others: where "above" is not strongly connected. */
         out->holds = 1;
         for (up = 0; up < 2; up++) {
             memset(seen, 0, (size_t)total);
@@ -8067,8 +8066,8 @@ static yc_result yci_yarn_make(yci_context *c, const yc_yarn_desc *d, yc_yarn_ma
     m.stretch = yci_fibre_values[f].modulus * d->tex, m.strength = yci_fibre_values[f].tenacity * d->tex;
     m.bending = m.crimp_bending = d->tex * fibre * yci_fibre_values[f].rigidity * factor * 1e-9;
     m.friction = yci_fibre_values[f].friction;
-    /* In proportion to the count, from a shirting of 15 tex; with 4 k_x / spacing this gives the measured shear of linen
-     * and denim, too. Friction lets go after a fifth of the radius. */
+    /* In proportion to the count, from a shirting of 15 tex; with 4 k_x / spacing this gives the measured shear of
+     * linen and denim, too. Friction lets go after a fifth of the radius. */
     m.shear = d->tex * (4e-3 / 15.0), m.contact = d->tex / 15.0, m.preload = d->tex * (5e-3 / 15.0);
     m.slide = m.friction * m.preload / (0.2 * m.radius);
     *out = m;
@@ -8133,7 +8132,7 @@ static const yci_fabric_row yci_fabric_rows[] = {
         YC_FIBRE_COTTON, {20, 20}, {14.8, 19.3}, 2.8, {0, 0}, 2.5, 1, 0, NULL, {140, 180}, {{1, 5}, {1, 5}}, {22, 45},
         {1.5, 4}, 49, {10, 40}, {15, 35}},
     {"wool rib 1x1",
-        "Yarn 2/28 Nm and loop length typical, wales and courses from the fully relaxed ones that Munden 1959 gives for "
+        "Yarn 2/28 Nm and loop length typical, wales and courses from the fully relaxed ones of Munden 1959 for "
         "plain knitting; KES and drape ranges are orders of magnitude.",
         YC_FIBRE_WOOL, {71, 71}, {7.6, 10}, 5.5, {0, 0}, 2.5, 1, 0, NULL, {250, 320}, {{10, 40}, {10, 40}}, {28, 56},
         {2, 5}, 49, {40, 100}, {20, 45}},
