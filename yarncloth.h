@@ -8039,14 +8039,20 @@ YC_API yc_yarn_desc yc_yarn_desc_default(void) {
     return d;
 }
 
-static yc_result yci_yarn_make(yci_context *c, const yc_yarn_desc *d, yc_yarn_material *out) {
-    yc_yarn_material m = yc_yarn_material_default();
-    double fibre, packing, factor;
-    int f;
-    if (!d || !out) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "desc and out must not be NULL");
+/* Replaces what is 0 by the usual. */
+static yc_yarn_desc yci_yarn_resolve(const yc_yarn_desc *desc) {
+    yc_yarn_desc d = *desc;
+    if (d.fibre_tex == 0.0) d.fibre_tex = yci_min(yci_fibre_values[d.fibre].fibre, d.tex);
+    if (d.packing == 0.0) d.packing = yci_fibre_values[d.fibre].packing;
+    if (d.bending_factor == 0.0) d.bending_factor = yci_min(2.5, d.tex / d.fibre_tex);
+    return d;
+}
+
+static yc_result yci_yarn_check(yci_context *c, const yc_yarn_desc *d) {
+    double most;
+    int f = (int)d->fibre;
     if (d->cookie != YCI_DESC_COOKIE)
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.cookie: not made by yc_yarn_desc_default()");
-    f = (int)d->fibre;
     if (f < 0 || f >= YC_FIBRE_COUNT)
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.fibre = %d must lie in 0 .. %d", f, YC_FIBRE_COUNT - 1);
     if (!(d->tex > 0.0 && d->tex <= 1e5))
@@ -8055,29 +8061,36 @@ static yc_result yci_yarn_make(yci_context *c, const yc_yarn_desc *d, yc_yarn_ma
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.fibre_tex = %g must lie in [0, %g]", d->fibre_tex, d->tex);
     if (!(d->packing >= 0.0 && d->packing <= 1.0))
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.packing = %g must lie in [0, 1]", d->packing);
-    fibre = d->fibre_tex > 0.0 ? d->fibre_tex : yci_min(yci_fibre_values[f].fibre, d->tex);
-    packing = d->packing > 0.0 ? d->packing : yci_fibre_values[f].packing;
-    factor = d->bending_factor != 0.0 ? d->bending_factor : yci_min(2.5, d->tex / fibre);
-    if (!(factor >= 1.0 && factor <= d->tex / fibre))
-        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.bending_factor = %g must be 0 or lie in [1, %g]", d->bending_factor,
-            d->tex / fibre);
-    m.density = d->tex * 1e-6;
-    m.radius = sqrt(m.density / (YCI_PI * packing * yci_fibre_values[f].density * 1e3));
-    m.stretch = yci_fibre_values[f].modulus * d->tex, m.strength = yci_fibre_values[f].tenacity * d->tex;
-    m.bending = m.crimp_bending = d->tex * fibre * yci_fibre_values[f].rigidity * factor * 1e-9;
-    m.friction = yci_fibre_values[f].friction;
+    most = d->tex / yci_yarn_resolve(d).fibre_tex;
+    if (d->bending_factor != 0.0 && !(d->bending_factor >= 1.0 && d->bending_factor <= most))
+        return YCI_FAIL(
+            c, YC_ERROR_ARGUMENT, "yarn.bending_factor = %g must be 0 or lie in [1, %g]", d->bending_factor, most);
+    return YC_OK;
+}
+
+/* The material of a yarn that was checked. */
+static yc_yarn_material yci_yarn_make(const yc_yarn_desc *desc) {
+    yc_yarn_material m = yc_yarn_material_default();
+    yc_yarn_desc d = yci_yarn_resolve(desc);
+    m.density = d.tex * 1e-6;
+    m.radius = sqrt(m.density / (YCI_PI * d.packing * yci_fibre_values[d.fibre].density * 1e3));
+    m.stretch = yci_fibre_values[d.fibre].modulus * d.tex, m.strength = yci_fibre_values[d.fibre].tenacity * d.tex;
+    m.bending = d.tex * d.fibre_tex * yci_fibre_values[d.fibre].rigidity * d.bending_factor * 1e-9;
+    m.crimp_bending = m.bending;
+    m.friction = yci_fibre_values[d.fibre].friction;
     /* In proportion to the count, from a shirting of 15 tex; with 4 k_x / spacing this gives the measured shear of
      * linen and denim, too. Friction lets go after a fifth of the radius. */
-    m.shear = d->tex * (4e-3 / 15.0), m.contact = d->tex / 15.0, m.preload = d->tex * (5e-3 / 15.0);
+    m.shear = d.tex * (4e-3 / 15.0), m.contact = d.tex / 15.0, m.preload = d.tex * (5e-3 / 15.0);
     m.slide = m.friction * m.preload / (0.2 * m.radius);
-    *out = m;
-    return YC_OK;
+    return m;
 }
 
 YC_API yc_result yc_yarn_material_make(const yc_yarn_desc *desc, yc_yarn_material *out, char *message) {
     yci_context c;
     yc_result result = yci_context_init(&c, NULL);
-    if (result == YC_OK) result = yci_yarn_make(&c, desc, out);
+    if (!desc || !out) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "desc and out must not be NULL");
+    if (result == YC_OK) result = yci_yarn_check(&c, desc);
+    if (result == YC_OK) *out = yci_yarn_make(desc);
     return yci_report(&c, result, message);
 }
 
@@ -8085,13 +8098,13 @@ YC_API yc_result yc_yarn_material_make(const yc_yarn_desc *desc, yc_yarn_materia
 typedef struct {
     const char *name, *source;
     yc_fibre fibre;
+    int repeat;            /* of the draft, 0: plain weave */
     double tex[2];         /* warp and weft; a knit's yarn */
     double per_cm[2];      /* ends and picks; wales and courses */
     double loop;           /* mm; 0: woven */
     double crimp[2];       /* percent */
     double bending_factor; /* of the yarns */
     double shear;          /* k_x over that of yc_yarn_material_make */
-    int repeat;            /* of the draft, 0: plain weave */
     const unsigned char *draft;
     double mass[2];        /* g/m^2 */
     double bending[2][2];  /* uN m */
@@ -8110,35 +8123,35 @@ static const yci_fabric_row yci_fabric_rows[] = {
     {"cotton shirting",
         "Counts, threads and mass as in the trade; crimp, KES and drape ranges are typical textbook values, single "
         "fabrics differ by a factor of two.",
-        YC_FIBRE_COTTON, {15, 15}, {34, 28}, 0, {7, 7}, 2.5, 1, 0, NULL, {95, 130}, {{4, 12}, {4, 12}}, {34, 84},
+        YC_FIBRE_COTTON, 0, {15, 15}, {34, 28}, 0, {7, 7}, 2.5, 1, NULL, {95, 130}, {{4, 12}, {4, 12}}, {34, 84},
         {1, 3}, 490, {2, 6}, {45, 70}},
     {"linen plain",
         "Counts, threads and mass typical of medium linens; bending, crimp and KES ranges are orders of magnitude.",
-        YC_FIBRE_LINEN, {50, 50}, {16, 14}, 0, {5, 5}, 2.5, 1, 0, NULL, {150, 190}, {{20, 60}, {20, 60}}, {40, 110},
+        YC_FIBRE_LINEN, 0, {50, 50}, {16, 14}, 0, {5, 5}, 2.5, 1, NULL, {150, 190}, {{20, 60}, {20, 60}}, {40, 110},
         {1.5, 5}, 490, {2, 5}, {60, 85}},
     {"denim 3/1 twill",
         "Counts, threads and mass of a 12 oz denim as in the trade; crimp, KES and drape ranges are typical textbook "
         "values, single fabrics differ by a factor of two.",
-        YC_FIBRE_COTTON, {84, 75}, {25, 17}, 0, {11, 3.5}, 2.5, 1, 4, yci_draft_denim, {320, 480},
+        YC_FIBRE_COTTON, 4, {84, 75}, {25, 17}, 0, {11, 3.5}, 2.5, 1, yci_draft_denim, {320, 480},
         {{40, 120}, {20, 60}}, {110, 280}, {4, 10}, 490, {2, 8}, {80, 95}},
     {"polyester satin",
         "A five-end satin of flat filament yarn, counts and threads typical; KES and drape ranges are typical textbook "
         "values, single fabrics differ by a factor of two.",
-        YC_FIBRE_POLYESTER, {8.3, 8.3}, {80, 38}, 0, {3, 2}, 1.25, 0.45, 5, yci_draft_satin, {80, 120},
+        YC_FIBRE_POLYESTER, 5, {8.3, 8.3}, {80, 38}, 0, {3, 2}, 1.25, 0.45, yci_draft_satin, {80, 120},
         {{2, 6}, {2, 6}}, {14, 28}, {0.3, 1}, 490, {2, 8}, {15, 35}},
     {"cotton single jersey",
         "Loop length and count as in the trade, wales and courses near the dry-relaxed ones of Munden 1959; KES and "
         "drape ranges are typical textbook values.",
-        YC_FIBRE_COTTON, {20, 20}, {14.8, 19.3}, 2.8, {0, 0}, 2.5, 1, 0, NULL, {140, 180}, {{1, 5}, {1, 5}}, {22, 45},
+        YC_FIBRE_COTTON, 0, {20, 20}, {14.8, 19.3}, 2.8, {0, 0}, 2.5, 1, NULL, {140, 180}, {{1, 5}, {1, 5}}, {22, 45},
         {1.5, 4}, 49, {10, 40}, {15, 35}},
     {"wool rib 1x1",
         "Yarn 2/28 Nm and loop length typical, wales and courses from the fully relaxed ones of Munden 1959 for "
         "plain knitting; KES and drape ranges are orders of magnitude.",
-        YC_FIBRE_WOOL, {71, 71}, {7.6, 10}, 5.5, {0, 0}, 2.5, 1, 0, NULL, {250, 320}, {{10, 40}, {10, 40}}, {28, 56},
+        YC_FIBRE_WOOL, 0, {71, 71}, {7.6, 10}, 5.5, {0, 0}, 2.5, 1, NULL, {250, 320}, {{10, 40}, {10, 40}}, {28, 56},
         {2, 5}, 49, {40, 100}, {20, 45}},
     {"wool stockinette",
         "DK yarn at the gauge of its label; bending is an order of magnitude, KES and drape values are not known.",
-        YC_FIBRE_WOOL, {440, 440}, {2.2, 3}, 19, {0, 0}, 2.5, 1, 0, NULL, {450, 600}, {{0, 0}, {0, 0}}, {0, 0}, {0, 0},
+        YC_FIBRE_WOOL, 0, {440, 440}, {2.2, 3}, 19, {0, 0}, 2.5, 1, NULL, {450, 600}, {{0, 0}, {0, 0}}, {0, 0}, {0, 0},
         0, {0, 0}, {0, 0}}};
 
 static void yci_fabric_range(double out[2], const double in[2], double unit) {
@@ -8158,7 +8171,7 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
     yarn.fibre = row->fibre;
     for (f = 0; f < 2; f++) {
         yarn.tex = row->tex[f], yarn.bending_factor = row->bending_factor;
-        yc_yarn_material_make(&yarn, &yarns[f], NULL);
+        yarns[f] = yci_yarn_make(&yarn);
         yarns[f].shear *= row->shear;
         yci_fabric_range(out->bending[f], row->bending[f], 1e-6);
     }
