@@ -83,7 +83,7 @@
  *   >>vec        chapter 2: vectors of three, the one-sided law
  *   >>dense      chapter 3: small blocks, kernels, panels, LU with partial pivoting
  *   >>sparse     chapter 4: block matrices, ordering, L L^T and block L D L^T, incomplete factor
- *   >>fabric     chapter 5: weaves laid over a sewing pattern, seam rods
+ *   >>fabric     chapter 5: weaves laid over a sewing pattern, seam rods, drafts, fabrics with names
  *   >>yarn       chapter 6: elements of the persistent-contact yarn model
  *   >>triangle   chapter 7: membrane and hinge elements
  *   >>contact    chapter 8: bodies, pairs, penalty and friction
@@ -302,7 +302,7 @@ typedef struct yc_yarn_material {
     double friction;    /* Coulomb coefficient between crossing yarns; [0, 10]; default 0.3 */
     double slide;       /* k_f, N/m: stiffness of the anchored friction spring; > 0; default 100 */
     /* N: what presses the yarns of a crossing together at rest, as weaving and finishing leave it; the mean of both
-     * yarns counts, and friction of sliding and of turning adds it to the force that the state gives; >= 0; default 0 */
+     * yarns counts, and friction of sliding and of turning adds it to what the state gives; >= 0; default 0 */
     double preload;
     /* N m^2: EI of the undulation of a crimped yarn. Another value than `bending` only where a yarn stands for several;
      * > 0; default 3e-9. Not used without crimp */
@@ -310,6 +310,40 @@ typedef struct yc_yarn_material {
     double strength; /* N: tension at which the yarn breaks; >= 0; default 0, never */
 } yc_yarn_material;
 YC_API yc_yarn_material yc_yarn_material_default(void);
+
+/* What a yarn is spun of. Polyester and silk are filaments, the others staple fibres. */
+typedef enum yc_fibre {
+    YC_FIBRE_COTTON,
+    YC_FIBRE_LINEN,
+    YC_FIBRE_WOOL,
+    YC_FIBRE_SILK,
+    YC_FIBRE_VISCOSE,
+    YC_FIBRE_POLYESTER,
+    YC_FIBRE_COUNT
+} yc_fibre;
+
+/* A yarn as a spinner names it. */
+typedef struct yc_yarn_desc {
+    unsigned cookie;       /* set by yc_yarn_desc_default() */
+    yc_fibre fibre;        /* default YC_FIBRE_COTTON */
+    double tex;            /* g/km of the yarn; (0, 1e5]; default 15 */
+    double fibre_tex;      /* g/km of one fibre or filament; (0, tex]; default 0: the usual one, at most tex */
+    double packing;        /* share of the yarn's volume that is fibre; (0, 1]; default 0: the usual one */
+    double bending_factor; /* times the bending of free fibres; [1, tex / fibre_tex]; default 0: 2.5, at most that */
+} yc_yarn_desc;
+YC_API yc_yarn_desc yc_yarn_desc_default(void);
+
+/* The material of such a yarn:
+ *   density  tex * 1e-6 kg/m, of the straight yarn
+ *   radius   half of Peirce's diameter (1937), that of a cylinder of the fibre's density times `packing`
+ *   stretch  modulus of yarns of this fibre times tex; strength likewise
+ *   bending  tex * fibre_tex * R * bending_factor, R the fibre's specific flexural rigidity. With a factor of 1 fibres
+ *            slide freely past each other, with tex / fibre_tex the yarn is a solid rod; real yarns lie between 1.5 and
+ *            4 (Hearle, Grosberg, Backer 1969; fibre values from Morton and Hearle). crimp_bending is the same
+ *   friction, preload, slide, contact, shear  typical of the fibre and of cloth of such yarn; see yci_fibre_values
+ * Single yarns differ from these by a factor of two.
+ * desc  not NULL; out  untouched on failure; message  NULL or YC_MESSAGE_SIZE bytes. Errors: ARGUMENT. */
+YC_API yc_result yc_yarn_material_make(const yc_yarn_desc *desc, yc_yarn_material *out, char *message);
 
 /* A sheet of triangles, orthotropic along the grain: 1 is the weft (u of the pattern), 2 the warp (v). Density of the
  * membrane energy, per area,
@@ -370,6 +404,12 @@ typedef struct yc_yarns {
     void *owner;                 /* the library's own; NULL: the caller's arrays */
 } yc_yarns;
 
+/* What the yarns of a family do at a free outline of the cloth. */
+typedef enum yc_edge {
+    YC_EDGE_CUT = 0,     /* end on the outline, in a node of their own beyond the last crossing: they may slide out */
+    YC_EDGE_SELVEDGE = 1 /* are held at their last crossing, as if they turned back there */
+} yc_edge;
+
 /* A weave. The draft is read like a weaver's draw-down: draft[r * repeat[0] + c] nonzero: warp c passes over weft r. */
 typedef struct yc_weave_desc {
     unsigned cookie; /* set by yc_weave_desc_default() */
@@ -378,12 +418,23 @@ typedef struct yc_weave_desc {
     int repeat[2];              /* columns (warps) and rows (wefts) of the draft; >= 1; default 2, 2 */
     const unsigned char *draft; /* [repeat[1] * repeat[0]]; NULL: plain weave; default NULL */
     yc_yarn_material warp, weft;
+    int material_count;                /* >= 0; default 0: all yarns are `warp` or `weft`, orders are not looked at */
+    const yc_yarn_material *materials; /* [material_count], for instance one per colour */
+    /* [YC_WARP], [YC_WEFT]: yarn k of the family is materials[order[k modulo order_count]]; k counts as the draft's
+     * columns and rows do. NULL: the family is all `warp` or `weft`; default NULL */
+    const int *order[2];
+    int order_count[2]; /* >= 1 where there is an order; default 0, 0 */
     /* along welded seams of a mesh; rod.density = 0: no rods. Default: the yarn's, twice as heavy */
     yc_yarn_material rod;
     /* [YC_WARP], [YC_WEFT]: length of a yarn over the length of its cloth, less 1; [0, 0.5]; default 0, 0. Where one is
      * above 0 yarns undulate (visit_height), density is that of the straightened yarn, and cloth stretches by
      * straightening them first */
     double crimp[2];
+    yc_edge edge[2]; /* [YC_WARP], [YC_WEFT]: ends of that family at a free outline; default YC_EDGE_CUT, twice */
+    /* [1, 1000]; default 1. Yarns that are laid as one: spacing is that many times as wide and materials are changed so
+     * that the cloth weighs, stretches, bends and shears as before, and friction of sliding stays but for what crimp
+     * adds; see yci_yarn_bundle. Draft and orders count bundles, so the pattern grows. The rod is one yarn always */
+    int bundle;
     double grain;   /* rad, turns the yarns against the pattern's axes, counter-clockwise; default 0 */
     double size[2]; /* m, width and height of the cloth when no mesh is given; default 0.2, 0.2 */
 } yc_weave_desc;
@@ -392,7 +443,8 @@ YC_API yc_weave_desc yc_weave_desc_default(void);
 /* Lays a weave over every UV island of `mesh` (clipped exactly at the island's outline, tied to a rod along every edge
  * where two islands are welded), or over a rectangle [0,w] x [0,h] of its own when mesh is NULL.
  * desc     not NULL; mesh  NULL, or a mesh with a UV area > 0 in every triangle
- * out      receives the network; untouched on failure; free with yc_yarns_destroy
+ * out      receives the network; untouched on failure; free with yc_yarns_destroy. Its materials are warp, weft, rod if
+ *          there are rods, then the list
  * message  NULL or YC_MESSAGE_SIZE bytes for the reason of a failure
  * Errors: ARGUMENT, TOPOLOGY, MEMORY. Cost: linear in triangles and crossings. */
 YC_API yc_result yc_weave(
@@ -405,9 +457,127 @@ YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char
 /* Frees what yc_weave made and zeroes the struct. NULL is fine; a caller's own network is left alone. */
 YC_API void yc_yarns_destroy(yc_yarns *yarns);
 
-/* The triangle material that stretches, shears, bends and weighs like the weave does when straight (no crimp): stretch
- * EA/spacing, shear 4 k_x/spacing summed over both families' halves, bending EI/spacing, density as laid. */
+/* The triangle material that stretches, shears, bends and weighs like the weave does when straight: stretch EA/spacing,
+ * shear 4 k_x/spacing summed over both families' halves, bending EI/spacing, density as laid, which with crimp is that
+ * of (1 + crimp) times the length. Stretch knows of no crimp. Where there is an order, the mean of its materials
+ * counts. desc is not checked. */
 YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc);
+
+/* ---- drafts ----------------------------------------------------------------------------------------------------- */
+
+/* One repeat of a weave, and of its colours. Column 0 is the warp at the left, row 0 the weft woven first, at the
+ * bottom; the cloth is seen from the front. Made by the functions below, or filled in by the caller (then the arrays
+ * are the caller's, `owner` is NULL and yc_draft_destroy does nothing). */
+typedef struct yc_draft {
+    int repeat[2];       /* columns (warps) and rows (wefts); >= 1 */
+    unsigned char *over; /* [repeat[1] * repeat[0]], over[r * repeat[0] + c] nonzero: warp c passes over weft r */
+    int order_count[2];  /* [YC_WARP], [YC_WEFT]: length of that family's order of colours; 0: none */
+    int *order[2];       /* [order_count], 0 .. colour_count - 1; NULL: none */
+    int colour_count;    /* 0 without orders */
+    float (*colours)[3]; /* [colour_count], red, green, blue, 0 to 1, as the file gives them; NULL: not known */
+    double spacing[2];   /* m, mean distance of neighbouring warps, of wefts; 0: not known */
+    double thickness[2]; /* m, mean diameter of warps, of wefts; 0: not known */
+    void *owner;         /* the library's own; NULL: the caller's arrays */
+} yc_draft;
+
+/* The weaves that have names. All share: host NULL is a zeroed one; *out receives the draft, untouched on failure, free
+ * with yc_draft_destroy; message is NULL or YC_MESSAGE_SIZE bytes. Errors: ARGUMENT (a number out of its range),
+ * MEMORY. Floats, shafts and counts are at most 256. */
+YC_API yc_result yc_draft_plain(const yc_host *host, yc_draft *out, char *message);
+/* Warps pass over `over` wefts, then under `under`, >= 1 each, the next one a weft later. hand 'Z': the diagonal climbs
+ * to the right; 'S': to the left. */
+YC_API yc_result yc_draft_twill(const yc_host *host, int over, int under, char hand, yc_draft *out, char *message);
+/* Single crossings, scattered: in column c at row c * move modulo `shafts`. shafts >= 5; move 2 .. shafts - 2, without
+ * a common divisor with shafts (6 has none). face YC_WARP: warps float on the front; YC_WEFT: wefts do (sateen). */
+YC_API yc_result yc_draft_satin(const yc_host *host, int shafts, int move, int face, yc_draft *out, char *message);
+/* Plain weave of `ends` warps and `picks` wefts at a time, >= 1 each. */
+YC_API yc_result yc_draft_basket(const yc_host *host, int ends, int picks, yc_draft *out, char *message);
+/* Plain weave in which one family floats over `length` >= 2 yarns of the other at a time: family YC_WARP, warp rep,
+ * whose ribs run along the wefts; YC_WEFT, weft rep. */
+YC_API yc_result yc_draft_rep(const yc_host *host, int length, int family, yc_draft *out, char *message);
+/* Honeycomb (waffle) of n x n, n even and >= 6: a lattice of diamonds, filled with warp floats of up to n - 3 and weft
+ * floats of up to n - 1 in turn, which relaxes into cells. */
+YC_API yc_result yc_draft_honeycomb(const yc_host *host, int n, yc_draft *out, char *message);
+
+/* What a weaver sets up on a loom. Plain arrays of the caller's; read during the call. */
+typedef struct yc_loom {
+    int shafts, treadles; /* 1 .. 4096 */
+    int count[2];         /* warps, wefts of the draft; 1 .. 65536; warps times wefts or shafts at most 2^24 */
+    const int *threading; /* [count[0]], the shaft of every warp, 0 .. shafts - 1; -1: none */
+    /* [treadles * shafts], tieup[t * shafts + s] nonzero: treadle t moves shaft s. NULL: treadle t moves shaft t alone,
+     * and treadling is a liftplan; then treadles must be shafts */
+    const unsigned char *tieup;
+    const unsigned char *treadling; /* [count[1] * treadles], treadling[r * treadles + t] nonzero: down for weft r */
+    int sinking;                    /* 0: treadles raise their shafts (rising shed). Nonzero: they lower them */
+} yc_loom;
+
+/* The draft that such a loom weaves: a warp passes over the wefts for which its shaft is up. Shared arguments as above.
+ * Errors: ARGUMENT (the message names field, index and value), MEMORY. Cost: at most warps * wefts * shafts. */
+YC_API yc_result yc_draft_loom(const yc_host *host, const yc_loom *loom, yc_draft *out, char *message);
+
+/* The draft in a text of the Weaving Information File format, version 1.1, as weaving programs write it.
+ * text  `length` bytes, not zero-terminated; any line ends; nothing beyond is read
+ * Read are WEAVING (Shafts, Treadles, Rising Shed, which is true unless said otherwise), WARP and WEFT (Threads, Color,
+ * Units, Spacing, Thickness), COLOR PALETTE (Entries, Form, Range), COLOR TABLE, THREADING, TIEUP, TREADLING, LIFTPLAN,
+ * and COLORS, SPACING, THICKNESS of WARP and WEFT. A thread may be on several shafts, a pick on several treadles; 0 or
+ * nothing is none. A LIFTPLAN with lines is used instead of TIEUP and TREADLING. Names are compared without case; a
+ * semicolon begins a comment; other sections and keys are passed over; of lines with the same key the last one counts.
+ * Thread 1 of the file is column or row 0, colour 1 is colour 0. An order of one entry is the family's only colour.
+ * Spacing and thickness are 0 without Units. Other shared arguments as above.
+ * Errors: PARSE (the message names the line, what was expected and what stands there; or what is missing), ARGUMENT
+ * (text NULL), MEMORY. Limits as of yc_loom; colours 65536. */
+YC_API yc_result yc_draft_wif(const yc_host *host, const char *text, size_t length, yc_draft *out, char *message);
+
+/* Frees what the functions above made and zeroes the struct. NULL is fine; a caller's own draft is left alone. */
+YC_API void yc_draft_destroy(yc_draft *draft);
+
+/* Points desc->draft, repeat, order and order_count to the draft, which must live as long as desc is used, and sets
+ * spacing where it is known. Orders take effect once the caller gives desc->materials, one for each colour. */
+YC_API void yc_draft_use(const yc_draft *draft, yc_weave_desc *desc);
+
+/* Whether a draft makes good cloth. */
+typedef struct yc_draft_facts {
+    int longest[2]; /* [YC_WARP], [YC_WEFT]: crossings that a yarn passes on one side in a row, at most; 0: endless */
+    int holds;      /* 0: some of the yarns lie above all others and come off (Clapham 1980). 1: it holds together */
+} yc_draft_facts;
+/* draft: its repeat and over are looked at. *out is untouched on failure. Errors: ARGUMENT, MEMORY. Cost: linear
+ * in the crossings. */
+YC_API yc_result yc_draft_examine(const yc_host *host, const yc_draft *draft, yc_draft_facts *out, char *message);
+
+/* ---- fabrics ---------------------------------------------------------------------------------------------------- */
+
+typedef enum yc_fabric_name {
+    YC_FABRIC_SHIRTING,    /* cotton, plain weave */
+    YC_FABRIC_LINEN,       /* linen, plain weave */
+    YC_FABRIC_DENIM,       /* cotton, 3/1 twill */
+    YC_FABRIC_SATIN,       /* polyester filament, five-end satin */
+    YC_FABRIC_JERSEY,      /* cotton, single jersey */
+    YC_FABRIC_RIB,         /* wool, 1x1 rib, machine-knitted */
+    YC_FABRIC_STOCKINETTE, /* wool, hand-knitted */
+    YC_FABRIC_COUNT
+} yc_fabric_name;
+
+/* A fabric that everybody knows: what to make it of, and what is measured on fabrics of this kind, as [low, high], 0
+ * and 0 where nothing is known. Ranges are those of the Kawabata system's tests (KES-F), in SI units. */
+typedef struct yc_fabric {
+    const char *name;    /* "cotton shirting" */
+    const char *source;  /* a sentence: where the numbers come from and how sure they are */
+    int woven;           /* nonzero: `weave` holds; 0, a knit: yarn, wales, courses, loop */
+    yc_weave_desc weave; /* with its draft; size and grain are the defaults */
+    yc_yarn_material yarn;
+    double wales, courses; /* per m, of the relaxed fabric; wales of both faces */
+    double loop;           /* m of yarn in a stitch */
+    double mass[2];        /* kg/m^2 */
+    double bending[2][2];  /* [YC_WARP], [YC_WEFT], N m, flexural rigidity per width: yarns of that family bend */
+    double shear[2];       /* N/m per rad */
+    double hysteresis[2];  /* N/m, width of the shear loop (2HG) at 0.5 degrees */
+    double tension;        /* N/m, at which `extension` is measured */
+    double extension[2];   /* share of the length; a knit's across the wales */
+    double drape[2];       /* Cusick's drape coefficient, 0 to 1 */
+} yc_fabric;
+
+/* Never fails but for ARGUMENT: out NULL, or a name that is none; then *out is untouched. */
+YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out);
 
 /* ---- scene ------------------------------------------------------------------------------------------------------ */
 
@@ -5911,11 +6081,13 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol ? chol->co
  * Clipping. A line meets an outline edge whose ends lie at lo < line <= hi; by this half-open rule the cuts of a line
  * alternate between entering and leaving, whatever vertices it passes through. Each pair of cuts is a span, each span
  * becomes a yarn:
- *   - tail (from the last crossing to the outline) at least 0.3 spacings: the yarn ends in a lone node on the outline;
- *   - shorter, free outline: the yarn ends at its last crossing;
- *   - shorter, seam: the yarn lets go of its last crossing and ends on the outline, so that it reaches the seam without
- *     a tiny segment; the crossing becomes a lone node of the other yarn.
- * A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
+ *   - it ends in a lone node on the outline, where its tail (from the last crossing) is at least 0.3 spacings long at a
+ *     seam or selvedge, 0.05 at a cut edge;
+ *   - shorter, seam or cut edge: it lets go of its last crossing and ends on the outline, so that it reaches that
+ *     without a tiny segment; the crossing becomes a lone node of the other yarn;
+ *   - shorter, selvedge: it ends at its last crossing.
+ * So at a cut edge every yarn has a tail, which can slide out of its last crossing; at a selvedge last crossings are
+ * held. A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
  *
  * Rods. Seam edges chain up between branching points; along each chain the yarn ends of both sides, in order, are
  * visited by a rod. Its u is the arc length along the seam, by the mean of both sides' pattern lengths. Ends closer
@@ -5923,13 +6095,17 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol ? chol->co
  * so that no segment of the rod is tiny and the rod still starts at rest. Where there is no room to move them, the
  * rod's rest length is the greater. A rod along a closed chain is open between its last and first end.
  *
+ * Drafts come by rule, from a loom's parts, or from a Weaving Information File, which is read twice: for its sizes,
+ * then into matrices of the loom.
+ *
  * Promises: the result depends on nothing but the inputs; time is linear in triangles, crossings and yarns, but for the
  * sorting of the cuts; working memory is freed before return, and the network is one block.
  * ===================================================================================================================== */
 
 #define YCI_DESC_COOKIE 0x7961726eu
 #define YCI_WEAVE_LIMIT 100000000 /* nodes of one network, lines of one piece */
-#define YCI_WEAVE_TAIL 0.3        /* spacings; a shorter tail is not kept */
+#define YCI_WEAVE_TAIL 0.3        /* spacings; a shorter tail is not kept at a seam or selvedge */
+#define YCI_WEAVE_STUB 0.05       /* spacings; nor such a one at a cut edge */
 #define YCI_WEAVE_GAP 0.05        /* spacings, between neighbouring visits of a rod */
 
 static int yci_finite(double x) { return x - x == 0.0; }
@@ -5957,20 +6133,53 @@ YC_API yc_weave_desc yc_weave_desc_default(void) {
     d.repeat[0] = d.repeat[1] = 2;
     d.warp = d.weft = d.rod = yc_yarn_material_default();
     d.rod.density *= 2.0;
+    d.bundle = 1;
     d.size[0] = d.size[1] = 0.2;
     return d;
 }
 
+/* A family's yarns, with what yc_weave_material needs of them averaged over their order. */
+static yc_yarn_material yci_weave_mean(const yc_weave_desc *d, int family) {
+    yc_yarn_material mean = family == YC_WARP ? d->warp : d->weft;
+    int i, count = d->order_count[family];
+    if (!d->material_count || !d->order[family]) return mean;
+    mean.stretch = mean.shear = mean.bending = mean.density = 0.0;
+    for (i = 0; i < count; i++) {
+        const yc_yarn_material *m = &d->materials[d->order[family][i]];
+        mean.stretch += m->stretch / count, mean.shear += m->shear / count;
+        mean.bending += m->bending / count, mean.density += m->density / count;
+    }
+    return mean;
+}
+
 YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc) {
+    yc_yarn_material warp = yci_weave_mean(desc, YC_WARP), weft = yci_weave_mean(desc, YC_WEFT);
     yc_triangle_material m;
     double s0 = desc->spacing[0], s1 = desc->spacing[1];
-    m.density = desc->warp.density / s0 + desc->weft.density / s1;
-    m.stretch[0] = desc->weft.stretch / s1, m.stretch[1] = desc->warp.stretch / s0;
+    m.density = warp.density * (1.0 + desc->crimp[YC_WARP]) / s0 + weft.density * (1.0 + desc->crimp[YC_WEFT]) / s1;
+    m.stretch[0] = weft.stretch / s1, m.stretch[1] = warp.stretch / s0;
     m.coupling = 0.0;
     /* A crossing pays 1/2 k L phi^2 for each of its four pairs of segments, L the mean spacing, on an area of s0 s1. */
-    m.shear = 4.0 * 0.5 * (desc->warp.shear + desc->weft.shear) * 0.5 * (s0 + s1) / (s0 * s1);
-    m.bending = 0.5 * (desc->warp.bending / s0 + desc->weft.bending / s1);
+    m.shear = 4.0 * 0.5 * (warp.shear + weft.shear) * 0.5 * (s0 + s1) / (s0 * s1);
+    m.bending = 0.5 * (warp.bending / s0 + weft.bending / s1);
     return m;
+}
+
+/* k yarns as one, in a weave k times as wide. A segment of it stands for k segments of k yarns, a crossing for k^2, so
+ * energies per segment and per crossing must grow by k^2 at the same strain, curvature, angle, density of mass.
+ *   stretch, bending, mass   1/2 EA L w^2 and the like, where L grows by k: the coefficients by k
+ *   shear                    1/2 k_x L phi^2: by k
+ *   contact                  (k_c/d) g(d - L), where g is quadratic and the touching distance d grows by k: by k
+ *   slide                    1/2 k_f s^2, and s stays: what a yarn slides, it slides past all crossings on its way. k^2
+ *   preload                  friction of sliding lets go at s = mu N / k_f: k^2 too
+ *   crimp_bending            about EI h^2 / L^3, where the height h grows by k like the radius: k^3
+ *   strength                 k yarns at the tension of each: k
+ * The moment of friction, mu N times a share of the radius, should grow by k^2 as well; that of the preload grows by
+ * k^3. Tension adds T kappa L to N where cloth is curved, which grows by k^2, and T h / L at a crimped crossing, which
+ * grows by k: right for the moment and for crimp itself, too little by k for sliding. */
+static void yci_yarn_bundle(yc_yarn_material *m, double k) {
+    m->stretch *= k, m->bending *= k, m->density *= k, m->radius *= k, m->shear *= k, m->contact *= k;
+    m->slide *= k * k, m->preload *= k * k, m->crimp_bending *= k * k * k, m->strength *= k;
 }
 
 /* ---- checks ------------------------------------------------------------------------------------------------------ */
@@ -6206,6 +6415,35 @@ static yc_result yci_yarns_check(yci_context *c, const yc_yarns *y, const yc_mes
     return result;
 }
 
+/* The list of materials and the orders, where there is a list. */
+static yc_result yci_weave_check_order(yci_context *c, const yc_weave_desc *d) {
+    int i, k;
+    if (d->material_count < 0 || d->material_count > YCI_WEAVE_LIMIT)
+        return YCI_FAIL(
+            c, YC_ERROR_ARGUMENT, "weave.material_count = %d must lie in 0 .. %d", d->material_count, YCI_WEAVE_LIMIT);
+    if (d->material_count && !d->materials)
+        return YCI_FAIL(
+            c, YC_ERROR_ARGUMENT, "weave.materials must not be NULL: material_count = %d", d->material_count);
+    for (i = 0; i < d->material_count; i++) {
+        char owner[48];
+        yc_result result;
+        snprintf(owner, sizeof owner, "weave.materials[%d]", i);
+        result = yci_yarn_material_check(c, owner, &d->materials[i]);
+        if (result != YC_OK) return result;
+    }
+    for (i = 0; i < 2 && d->material_count; i++) {
+        if (!d->order[i]) continue;
+        if (d->order_count[i] < 1)
+            return YCI_FAIL(
+                c, YC_ERROR_ARGUMENT, "weave.order_count[%d] = %d must be at least 1", i, d->order_count[i]);
+        for (k = 0; k < d->order_count[i]; k++)
+            if (d->order[i][k] < 0 || d->order[i][k] >= d->material_count)
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.order[%d][%d] = %d must lie in 0 .. %d", i, k,
+                    d->order[i][k], d->material_count - 1);
+    }
+    return YC_OK;
+}
+
 static yc_result yci_weave_check(yci_context *c, const yc_weave_desc *d, int with_mesh) {
     yc_result result;
     int i;
@@ -6218,15 +6456,20 @@ static yc_result yci_weave_check(yci_context *c, const yc_weave_desc *d, int wit
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.spacing[%d] = %g must be greater than 0", i, d->spacing[i]);
         if (d->repeat[i] < 1)
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.repeat[%d] = %d must be at least 1", i, d->repeat[i]);
+        if (d->edge[i] != YC_EDGE_CUT && d->edge[i] != YC_EDGE_SELVEDGE)
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.edge[%d] = %d is none of yc_edge", i, (int)d->edge[i]);
         if (!with_mesh && !yci_finite(d->size[i]))
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be finite", i, d->size[i]);
         if (!with_mesh && d->size[i] <= 0.0)
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be greater than 0", i, d->size[i]);
     }
     if (!yci_finite(d->grain)) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.grain = %g must be finite", d->grain);
+    if (d->bundle < 1 || d->bundle > 1000)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.bundle = %d must lie in 1 .. 1000", d->bundle);
     result = yci_yarn_material_check(c, "weave.warp", &d->warp);
     if (result == YC_OK) result = yci_yarn_material_check(c, "weave.weft", &d->weft);
     if (result == YC_OK && d->rod.density != 0.0) result = yci_yarn_material_check(c, "weave.rod", &d->rod);
+    if (result == YC_OK) result = yci_weave_check_order(c, d);
     return result;
 }
 
@@ -6529,18 +6772,21 @@ static yci_weave_node *yci_weave_push_node(yci_weaver *w) {
     return node;
 }
 
+/* Where a line, whose number may be negative, falls in a repeat. */
+static int yci_weave_repeat(int line, int count) {
+    int rest = line % count;
+    return rest < 0 ? rest + count : rest;
+}
+
 /* Nodes of a warp's crossings. */
 static yc_result yci_weave_cross(yci_weaver *w, yci_weave_span *span) {
-    int row, column;
+    int row, column = yci_weave_repeat(span->line, w->repeat[0]);
     span->node = w->node_count;
-    column = span->line % w->repeat[0];
-    if (column < 0) column += w->repeat[0];
     for (row = span->row; row < span->row_end; row++) {
         yci_weave_node *node = yci_weave_push_node(w);
         double frame[2];
-        int r = row % w->repeat[1];
+        int r = yci_weave_repeat(row, w->repeat[1]);
         if (!node) return yci_out_of_memory(w->c, "the nodes of a weave");
-        if (r < 0) r += w->repeat[1];
         frame[0] = yci_weave_line(w, 0, span->line), frame[1] = yci_weave_line(w, 1, row);
         yci_weave_from_frame(w, frame, node->place);
         node->over = w->draft[(size_t)r * (size_t)w->repeat[0] + (size_t)column] ? 1 : -1;
@@ -6630,9 +6876,14 @@ static void yci_weave_place(const yci_weaver *w, yci_weave_node *node, int half,
     node->place[0] = a[0] + share * (b[0] - a[0]), node->place[1] = a[1] + share * (b[1] - a[1]);
 }
 
+/* Whether a span ends at a selvedge. */
+static int yci_weave_selvedge(const yci_weaver *w, const yci_weave_span *span, int end) {
+    return w->desc->edge[span->family] == YC_EDGE_SELVEDGE && w->twin[span->half[end]] < 0;
+}
+
 /* Decides how a span ends, by the rules in the head of this chapter. */
 static yc_result yci_weave_ends(yci_weaver *w, yci_weave_span *span) {
-    double least = YCI_WEAVE_TAIL * w->desc->spacing[1 - span->family];
+    double spacing = w->desc->spacing[1 - span->family];
     yci_weave_visit *visits = w->visits + span->first;
     int i, e, kept = 0, wanted[2] = {0, 0};
     for (i = 0; i < span->count; i++) {
@@ -6642,9 +6893,10 @@ static yc_result yci_weave_ends(yci_weaver *w, yci_weave_span *span) {
     span->count = kept;
     for (e = 0; e < 2 && span->count; e++) {
         const yci_weave_visit *last = &w->visits[span->first + (e ? span->count - 1 : 0)];
-        int long_enough = fabs(span->end[e] - last->along) >= least, seam = w->twin[span->half[e]] >= 0;
-        wanted[e] = long_enough || seam;
-        if (long_enough || !seam) continue;
+        int selvedge = yci_weave_selvedge(w, span, e), cut = !selvedge && w->twin[span->half[e]] < 0;
+        int long_enough = fabs(span->end[e] - last->along) >= (cut ? YCI_WEAVE_STUB : YCI_WEAVE_TAIL) * spacing;
+        wanted[e] = long_enough || !selvedge;
+        if (long_enough || selvedge) continue;
         span->count--;
         if (!e) span->first++;
     }
@@ -6898,6 +7150,27 @@ static void yci_weave_fill_nodes(const yci_weaver *w, yc_yarns *y, int *number) 
     }
 }
 
+/* The material of a span's yarn: its place in the network's list. */
+static int yci_weave_choose(const yci_weaver *w, const yci_weave_span *span) {
+    const yc_weave_desc *d = w->desc;
+    int f = span->family;
+    if (f == YC_ROD || !d->material_count || !d->order[f]) return f;
+    return (d->rod.density > 0.0 ? 3 : 2) + d->order[f][yci_weave_repeat(span->line, d->order_count[f])];
+}
+
+/* Holds the last crossings at selvedges, beyond which a yarn may have a tail. */
+static void yci_weave_hold(const yci_weaver *w, yc_yarns *y) {
+    int i, e, yarn = 0;
+    for (i = 0; i < w->span_count; i++) {
+        const yci_weave_span *span = &w->spans[i];
+        if (!span->count) continue;
+        for (e = 0; e < 2 && span->family != YC_ROD; e++)
+            if (span->tip[e] >= 0 && yci_weave_selvedge(w, span, e))
+                y->visit_held[e ? y->yarn_first[yarn + 1] - 2 : y->yarn_first[yarn] + 1] = 1;
+        yarn++;
+    }
+}
+
 static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *number) {
     int i, k, yarn = 0, visit = 0;
     for (i = 0; i < w->span_count; i++) {
@@ -6905,7 +7178,7 @@ static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *nu
         int first = visit, before = span->tip[0] >= 0, count = span->count + before + (span->tip[1] >= 0);
         if (!span->count) continue;
         y->yarn_first[yarn] = first;
-        y->yarn_family[yarn] = (unsigned char)span->family, y->yarn_material[yarn] = span->family;
+        y->yarn_family[yarn] = (unsigned char)span->family, y->yarn_material[yarn] = yci_weave_choose(w, span);
         for (k = 0; k < count; k++, visit++) {
             const yci_weave_visit *at =
                 k < before || k - before == span->count ? NULL : &w->visits[span->first + k - before];
@@ -6931,7 +7204,7 @@ static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *nu
 static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
     yc_yarns y;
     char *block;
-    int *number, i;
+    int *number, rods, i;
     memset(&y, 0, sizeof y);
     for (i = 0; i < w->node_count; i++) y.node_count += w->nodes[i].visits > 0;
     for (i = 0; i < w->span_count; i++) {
@@ -6943,7 +7216,8 @@ static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
     if (!y.yarn_count)
         return YCI_FAIL(w->c, YC_ERROR_ARGUMENT, "weave.spacing = %g, %g is too wide: nowhere do two yarns cross",
             w->desc->spacing[0], w->desc->spacing[1]);
-    y.material_count = w->desc->rod.density > 0.0 ? 3 : 2;
+    rods = w->desc->rod.density > 0.0;
+    y.material_count = 2 + rods + w->desc->material_count;
     number = YCI_NEW(w->c, int, w->node_count);
     block = (char *)yci_alloc(w->c, yci_weave_arrays(&y, NULL, on_mesh), 1);
     if (!number || !block) {
@@ -6953,9 +7227,12 @@ static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
     }
     yci_weave_arrays(&y, block, on_mesh);
     y.materials[0] = w->desc->warp, y.materials[1] = w->desc->weft;
-    if (y.material_count == 3) y.materials[2] = w->desc->rod;
+    for (i = 0; i < w->desc->material_count; i++) y.materials[2 + rods + i] = w->desc->materials[i];
+    for (i = 0; i < y.material_count; i++) yci_yarn_bundle(&y.materials[i], w->desc->bundle);
+    if (rods) y.materials[2] = w->desc->rod;
     yci_weave_fill_nodes(w, &y, number);
     yci_weave_fill_yarns(w, &y, number);
+    yci_weave_hold(w, &y);
     yci_free(w->c, number);
     *out = y;
     return YC_OK;
@@ -6984,6 +7261,7 @@ static yc_result yci_weave_run(yci_context *c, const yc_weave_desc *desc, const 
     static const unsigned char plain[4] = {1, 0, 0, 1};
     static const int halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
     double corners[4][2], positions[4][3];
+    yc_weave_desc bundled;
     yc_mesh rectangle;
     yci_weaver w;
     yc_result result;
@@ -7002,7 +7280,9 @@ static yc_result yci_weave_run(yci_context *c, const yc_weave_desc *desc, const 
     rectangle.vertex_count = rectangle.uv_count = 4, rectangle.triangle_count = 2;
     rectangle.positions = (const double(*)[3])positions, rectangle.uv = (const double(*)[2])corners;
     rectangle.triangles = halves;
-    w.c = c, w.desc = desc, w.mesh = mesh ? mesh : &rectangle;
+    bundled = *desc;
+    bundled.spacing[0] *= desc->bundle, bundled.spacing[1] *= desc->bundle;
+    w.c = c, w.desc = &bundled, w.mesh = mesh ? mesh : &rectangle;
     w.uvt = w.mesh->uv_triangles ? w.mesh->uv_triangles : w.mesh->triangles;
     w.draft = desc->draft ? desc->draft : plain;
     w.repeat[0] = desc->draft ? desc->repeat[0] : 2, w.repeat[1] = desc->draft ? desc->repeat[1] : 2;
@@ -7034,6 +7314,903 @@ YC_API void yc_yarns_destroy(yc_yarns *yarns) {
     memcpy(&c, yarns->owner, sizeof c);
     yci_free(&c, yarns->owner);
     memset(yarns, 0, sizeof *yarns);
+}
+
+/* ---- drafts ------------------------------------------------------------------------------------------------------ */
+
+#define YCI_DRAFT_COUNT 65536    /* warps, wefts, colours of a draft */
+#define YCI_DRAFT_CELLS 16777216 /* of each matrix of a loom */
+#define YCI_DRAFT_FLOAT 256      /* floats and counts of the weaves with names */
+#define YCI_DRAFT_SHAFTS 4096
+
+/* Points the arrays of a draft, whose counts are set, into the block and returns its size, like yci_weave_arrays. */
+static size_t yci_draft_arrays(yc_draft *d, char *block, int with_colours) {
+    size_t used = 0;
+    int f;
+    d->owner = yci_weave_carve(block, &used, 1, sizeof(yci_context));
+    for (f = 0; f < 2; f++)
+        if (d->order_count[f]) d->order[f] = (int *)yci_weave_carve(block, &used, d->order_count[f], sizeof(int));
+    if (with_colours) d->colours = (float(*)[3])yci_weave_carve(block, &used, d->colour_count, sizeof *d->colours);
+    d->over = (unsigned char *)yci_weave_carve(block, &used, d->repeat[0] * d->repeat[1], 1);
+    return used;
+}
+
+/* Makes room for a draft whose counts are set, within the limits. */
+static yc_result yci_draft_room(yci_context *c, yc_draft *d, int with_colours) {
+    char *block = (char *)yci_alloc(c, yci_draft_arrays(d, NULL, with_colours), 1);
+    if (!block) return yci_out_of_memory(c, "a draft");
+    yci_draft_arrays(d, block, with_colours);
+    return YC_OK;
+}
+
+static yc_result yci_draft_begin(yci_context *c, const yc_host *host, const yc_draft *out) {
+    yc_result result = yci_context_init(c, host);
+    if (result == YC_OK && !out) result = YCI_FAIL(c, YC_ERROR_ARGUMENT, "out must not be NULL");
+    return result;
+}
+
+static yc_result yci_draft_end(
+    const yci_context *c, yc_result result, const yc_draft *draft, yc_draft *out, char *message) {
+    if (result == YC_OK) *out = *draft, memcpy(out->owner, c, sizeof *c);
+    return yci_report(c, result, message);
+}
+
+static yc_result yci_draft_range(yci_context *c, const char *name, int value, int low, int high) {
+    if (value >= low && value <= high) return YC_OK;
+    return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s = %d must lie in %d .. %d", name, value, low, high);
+}
+
+static yc_result yci_draft_family(yci_context *c, const char *name, int value) {
+    if (value == YC_WARP || value == YC_WEFT) return YC_OK;
+    return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s = %d must be YC_WARP or YC_WEFT", name, value);
+}
+
+/* Whether the warp of a column passes over the weft of a row, by two numbers and a variant. */
+typedef int (*yci_draft_rule)(int column, int row, const int *p);
+
+static int yci_draft_is_basket(int column, int row, const int *p) { return (column / p[0] + row / p[1]) % 2 == 0; }
+
+static int yci_draft_is_twill(int column, int row, const int *p) {
+    int repeat = p[0] + p[1], step = p[2] ? row + column : row - column + repeat;
+    return step % repeat < p[0];
+}
+
+static int yci_draft_is_satin(int column, int row, const int *p) {
+    return (column * p[1] % p[0] == row) == (p[2] == YC_WEFT);
+}
+
+/* Distances from a corner, column x and row y, both folded at half the repeat: the diamonds' outlines are x = y. Those
+ * around (n/2, 0) are filled with warp, short of one crossing beside the outline. */
+static int yci_draft_is_honeycomb(int column, int row, const int *p) {
+    int x = column > p[0] / 2 ? p[0] - column : column, y = row > p[0] / 2 ? p[0] - row : row;
+    return x == y || x - y >= 2;
+}
+
+static yc_result yci_draft_weave(
+    yci_context *c, int columns, int rows, yci_draft_rule rule, const int *p, yc_draft *draft) {
+    yc_result result;
+    int i;
+    memset(draft, 0, sizeof *draft);
+    draft->repeat[0] = columns, draft->repeat[1] = rows;
+    result = yci_draft_room(c, draft, 0);
+    for (i = 0; i < columns * rows && result == YC_OK; i++)
+        draft->over[i] = (unsigned char)rule(i % columns, i / columns, p);
+    return result;
+}
+
+YC_API yc_result yc_draft_basket(const yc_host *host, int ends, int picks, yc_draft *out, char *message) {
+    int p[2] = {ends, picks};
+    yci_context c;
+    yc_draft draft;
+    yc_result result = yci_draft_begin(&c, host, out);
+    if (result == YC_OK) result = yci_draft_range(&c, "ends", ends, 1, YCI_DRAFT_FLOAT);
+    if (result == YC_OK) result = yci_draft_range(&c, "picks", picks, 1, YCI_DRAFT_FLOAT);
+    if (result == YC_OK) result = yci_draft_weave(&c, 2 * ends, 2 * picks, yci_draft_is_basket, p, &draft);
+    return yci_draft_end(&c, result, &draft, out, message);
+}
+
+YC_API yc_result yc_draft_plain(const yc_host *host, yc_draft *out, char *message) {
+    return yc_draft_basket(host, 1, 1, out, message);
+}
+
+YC_API yc_result yc_draft_rep(const yc_host *host, int length, int family, yc_draft *out, char *message) {
+    int p[2] = {family == YC_WEFT ? length : 1, family == YC_WEFT ? 1 : length};
+    yci_context c;
+    yc_draft draft;
+    yc_result result = yci_draft_begin(&c, host, out);
+    if (result == YC_OK) result = yci_draft_range(&c, "length", length, 2, YCI_DRAFT_FLOAT);
+    if (result == YC_OK) result = yci_draft_family(&c, "family", family);
+    if (result == YC_OK) result = yci_draft_weave(&c, 2 * p[0], 2 * p[1], yci_draft_is_basket, p, &draft);
+    return yci_draft_end(&c, result, &draft, out, message);
+}
+
+YC_API yc_result yc_draft_twill(const yc_host *host, int over, int under, char hand, yc_draft *out, char *message) {
+    int p[3] = {over, under, hand == 'S'};
+    yci_context c;
+    yc_draft draft;
+    yc_result result = yci_draft_begin(&c, host, out);
+    if (result == YC_OK) result = yci_draft_range(&c, "over", over, 1, YCI_DRAFT_FLOAT);
+    if (result == YC_OK) result = yci_draft_range(&c, "under", under, 1, YCI_DRAFT_FLOAT);
+    if (result == YC_OK && hand != 'S' && hand != 'Z')
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "hand = %d must be 'S' or 'Z'", hand);
+    if (result == YC_OK) result = yci_draft_weave(&c, over + under, over + under, yci_draft_is_twill, p, &draft);
+    return yci_draft_end(&c, result, &draft, out, message);
+}
+
+YC_API yc_result yc_draft_satin(const yc_host *host, int shafts, int move, int face, yc_draft *out, char *message) {
+    int p[3] = {shafts, move, face}, a = shafts, b = move;
+    yci_context c;
+    yc_draft draft;
+    yc_result result = yci_draft_begin(&c, host, out);
+    if (result == YC_OK) result = yci_draft_range(&c, "shafts", shafts, 5, YCI_DRAFT_FLOAT);
+    if (result == YC_OK) result = yci_draft_range(&c, "move", move, 2, shafts - 2);
+    if (result == YC_OK) result = yci_draft_family(&c, "face", face);
+    while (result == YC_OK && b) { /* Euclid's algorithm */
+        int rest = a % b;
+        a = b, b = rest;
+    }
+    if (result == YC_OK && a > 1)
+        result =
+            YCI_FAIL(&c, YC_ERROR_ARGUMENT, "move = %d and shafts = %d have the common divisor %d", move, shafts, a);
+    if (result == YC_OK) result = yci_draft_weave(&c, shafts, shafts, yci_draft_is_satin, p, &draft);
+    return yci_draft_end(&c, result, &draft, out, message);
+}
+
+YC_API yc_result yc_draft_honeycomb(const yc_host *host, int n, yc_draft *out, char *message) {
+    yci_context c;
+    yc_draft draft;
+    yc_result result = yci_draft_begin(&c, host, out);
+    if (result == YC_OK) result = yci_draft_range(&c, "n", n, 6, YCI_DRAFT_FLOAT);
+    if (result == YC_OK && n % 2) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "n = %d must be even", n);
+    if (result == YC_OK) result = yci_draft_weave(&c, n, n, yci_draft_is_honeycomb, &n, &draft);
+    return yci_draft_end(&c, result, &draft, out, message);
+}
+
+/* A loom as matrices. */
+typedef struct {
+    int shafts, treadles, sinking;
+    unsigned char *thread;          /* [shafts * warps], nonzero: the shaft moves the warp */
+    const unsigned char *tieup;     /* [treadles * shafts]; NULL: none */
+    const unsigned char *treadling; /* [wefts * treadles] */
+} yci_loom;
+
+/* The draw-down: a warp moves where one of its shafts does. */
+static yc_result yci_draft_shed(yci_context *c, const yci_loom *loom, yc_draft *draft) {
+    size_t warps = (size_t)draft->repeat[0], shafts = (size_t)loom->shafts, i;
+    unsigned char *moved = YCI_NEW(c, unsigned char, loom->shafts);
+    int r, t, s;
+    if (!moved) return yci_out_of_memory(c, "the shafts of a loom");
+    for (r = 0; r < draft->repeat[1]; r++) {
+        unsigned char *row = draft->over + (size_t)r * warps;
+        memset(moved, 0, shafts);
+        for (t = 0; t < loom->treadles; t++) {
+            if (!loom->treadling[(size_t)r * (size_t)loom->treadles + (size_t)t]) continue;
+            if (!loom->tieup) moved[t] = 1;
+            for (i = 0; i < shafts && loom->tieup; i++) moved[i] |= loom->tieup[(size_t)t * shafts + i] != 0;
+        }
+        memset(row, 0, warps);
+        for (s = 0; s < loom->shafts; s++)
+            for (i = 0; i < warps && moved[s]; i++) row[i] |= loom->thread[(size_t)s * warps + i];
+        for (i = 0; i < warps && loom->sinking; i++) row[i] ^= 1;
+    }
+    yci_free(c, moved);
+    return YC_OK;
+}
+
+static yc_result yci_draft_check_loom(yci_context *c, const yc_loom *loom) {
+    yc_result result;
+    int i;
+    if (!loom) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "loom must not be NULL");
+    result = yci_draft_range(c, "loom.shafts", loom->shafts, 1, YCI_DRAFT_SHAFTS);
+    if (result == YC_OK) result = yci_draft_range(c, "loom.treadles", loom->treadles, 1, YCI_DRAFT_SHAFTS);
+    if (result == YC_OK)
+        result = yci_draft_range(
+            c, "loom.count[0]", loom->count[0], 1, yci_min_int(YCI_DRAFT_COUNT, YCI_DRAFT_CELLS / loom->shafts));
+    if (result == YC_OK)
+        result = yci_draft_range(
+            c, "loom.count[1]", loom->count[1], 1, yci_min_int(YCI_DRAFT_COUNT, YCI_DRAFT_CELLS / loom->count[0]));
+    if (result != YC_OK) return result;
+    if (!loom->threading) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "loom.threading must not be NULL");
+    if (!loom->treadling) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "loom.treadling must not be NULL");
+    if (!loom->tieup && loom->treadles != loom->shafts)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "loom.treadles = %d must be shafts, %d, without a tieup", loom->treadles,
+            loom->shafts);
+    for (i = 0; i < loom->count[0]; i++)
+        if (loom->threading[i] < -1 || loom->threading[i] >= loom->shafts)
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "loom.threading[%d] = %d must lie in -1 .. %d", i, loom->threading[i],
+                loom->shafts - 1);
+    return YC_OK;
+}
+
+YC_API yc_result yc_draft_loom(const yc_host *host, const yc_loom *loom, yc_draft *out, char *message) {
+    yci_loom set;
+    yci_context c;
+    yc_draft draft;
+    yc_result result = yci_draft_begin(&c, host, out);
+    int i;
+    memset(&set, 0, sizeof set);
+    memset(&draft, 0, sizeof draft);
+    if (result == YC_OK) result = yci_draft_check_loom(&c, loom);
+    if (result == YC_OK) {
+        draft.repeat[0] = loom->count[0], draft.repeat[1] = loom->count[1];
+        set.shafts = loom->shafts, set.treadles = loom->treadles, set.sinking = loom->sinking;
+        set.tieup = loom->tieup, set.treadling = loom->treadling;
+        set.thread = YCI_NEW(&c, unsigned char, (size_t)loom->shafts *(size_t)loom->count[0]);
+        result = set.thread ? yci_draft_room(&c, &draft, 0) : yci_out_of_memory(&c, "the threading of a loom");
+    }
+    if (result == YC_OK) {
+        for (i = 0; i < loom->count[0]; i++)
+            if (loom->threading[i] >= 0)
+                set.thread[(size_t)loom->threading[i] * (size_t)loom->count[0] + (size_t)i] = 1;
+        result = yci_draft_shed(&c, &set, &draft);
+        if (result != YC_OK) yci_free(&c, draft.owner);
+    }
+    yci_free(&c, set.thread);
+    return yci_draft_end(&c, result, &draft, out, message);
+}
+
+YC_API void yc_draft_destroy(yc_draft *draft) {
+    yci_context c;
+    if (!draft || !draft->owner) return;
+    memcpy(&c, draft->owner, sizeof c);
+    yci_free(&c, draft->owner);
+    memset(draft, 0, sizeof *draft);
+}
+
+YC_API void yc_draft_use(const yc_draft *draft, yc_weave_desc *desc) {
+    int f;
+    desc->draft = draft->over;
+    for (f = 0; f < 2; f++) {
+        desc->repeat[f] = draft->repeat[f];
+        desc->order[f] = draft->order[f], desc->order_count[f] = draft->order_count[f];
+        if (draft->spacing[f] > 0.0) desc->spacing[f] = draft->spacing[f];
+    }
+}
+
+/* Longest run of equal crossings along yarn `line` of a family, which closes upon itself; 0 where all are equal. */
+static int yci_draft_float(const yc_draft *d, int family, int line) {
+    size_t columns = (size_t)d->repeat[0], step = family == YC_WARP ? columns : 1;
+    const unsigned char *at = d->over + (family == YC_WARP ? (size_t)line : (size_t)line * columns);
+    int count = d->repeat[1 - family], first = 1, run = 0, longest = 0, k;
+    while (first < count && !at[(size_t)first * step] == !at[0]) first++; /* where the first run ends */
+    if (first == count) return 0;
+    for (k = 0; k < count; k++) {
+        int here = (first + k) % count;
+        run = k && !at[(size_t)here * step] == !at[(size_t)((here + count - 1) % count) * step] ? run + 1 : 1;
+        if (run > longest) longest = run;
+    }
+    return longest;
+}
+
+/* How many of the repeat's yarns, warps first, lie above warp 0 (up 1) or below it (0), be it by way of others. `seen`
+ * is zero; `queue` has room for all. */
+static int yci_draft_reach(const yc_draft *d, int up, unsigned char *seen, int *queue) {
+    int columns = d->repeat[0], begin, end = 1, k;
+    queue[0] = 0, seen[0] = 1;
+    for (begin = 0; begin < end; begin++) {
+        int at = queue[begin], warp = at < columns;
+        for (k = warp ? columns : 0; k < (warp ? columns + d->repeat[1] : columns); k++) {
+            int c = warp ? at : k, r = (warp ? k : at) - columns;
+            int over = d->over[(size_t)r * (size_t)columns + (size_t)c] != 0;
+            if (seen[k] || (over == warp) == up) continue;
+            seen[k] = 1, queue[end++] = k;
+        }
+    }
+    return end;
+}
+
+YC_API yc_result yc_draft_examine(const yc_host *host, const yc_draft *draft, yc_draft_facts *out, char *message) {
+    yci_context c;
+    yc_result result = yci_context_init(&c, host);
+    int f, i, up, total, *queue;
+    unsigned char *seen;
+    if (result == YC_OK && (!draft || !draft->over || !out))
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "draft, draft.over and out must not be NULL");
+    for (f = 0; f < 2 && result == YC_OK; f++) {
+        char name[16];
+        snprintf(name, sizeof name, "draft.repeat[%d]", f);
+        result = yci_draft_range(&c, name, draft->repeat[f], 1, YCI_WEAVE_LIMIT);
+    }
+    if (result != YC_OK) return yci_report(&c, result, message);
+    total = draft->repeat[0] + draft->repeat[1];
+    seen = YCI_NEW(&c, unsigned char, total), queue = YCI_NEW(&c, int, total);
+    if (seen && queue) {
+        /* Cloth falls apart where some yarns lie above all others: where "above" is not strongly connected. */
+        out->holds = 1;
+        for (up = 0; up < 2; up++) {
+            memset(seen, 0, (size_t)total);
+            if (yci_draft_reach(draft, up, seen, queue) < total) out->holds = 0;
+        }
+        for (f = 0; f < 2; f++) {
+            out->longest[f] = yci_draft_float(draft, f, 0);
+            for (i = 1; i < draft->repeat[f] && out->longest[f]; i++) {
+                int here = yci_draft_float(draft, f, i);
+                if (!here || here > out->longest[f]) out->longest[f] = here;
+            }
+        }
+    } else result = yci_out_of_memory(&c, "the examination of a draft");
+    yci_free(&c, seen);
+    yci_free(&c, queue);
+    return yci_report(&c, result, message);
+}
+
+/* ---- Weaving Information Files ----------------------------------------------------------------------------------- */
+
+/* Sections that are read. Those of the warp come right before those of the weft. */
+enum {
+    YCI_WIF_WEAVING,
+    YCI_WIF_PALETTE,
+    YCI_WIF_TABLE,
+    YCI_WIF_TIEUP,
+    YCI_WIF_THREADING,
+    YCI_WIF_TREADLING,
+    YCI_WIF_LIFTPLAN,
+    YCI_WIF_WARP,
+    YCI_WIF_WEFT,
+    YCI_WIF_WARP_COLOURS,
+    YCI_WIF_WEFT_COLOURS,
+    YCI_WIF_WARP_SPACING,
+    YCI_WIF_WEFT_SPACING,
+    YCI_WIF_WARP_THICKNESS,
+    YCI_WIF_WEFT_THICKNESS,
+    YCI_WIF_COUNT /* any other section */
+};
+static const char *const yci_wif_names[] = {"WEAVING", "COLOR PALETTE", "COLOR TABLE", "TIEUP", "THREADING",
+    "TREADLING", "LIFTPLAN", "WARP", "WEFT", "WARP COLORS", "WEFT COLORS", "WARP SPACING", "WEFT SPACING",
+    "WARP THICKNESS", "WEFT THICKNESS"};
+
+typedef struct {
+    const char *at, *end;
+} yci_wif_text;
+
+typedef struct {
+    yci_context *c;
+    yci_wif_text rest;       /* of the file */
+    int line, section;       /* where the reader stands */
+    yci_wif_text key, value; /* of this line */
+    yc_result result;
+    /* what the first reading finds */
+    int shafts, treadles, falling;
+    int count[2], colour[2], symbols; /* 0: not given; colours from 1 */
+    double length[2][2], unit[2];     /* spacing and thickness of both families, in this unit of m; 0: not given */
+    int entries, highest;             /* colours as announced; highest number in the table */
+    double range[2];
+    int lines[YCI_WIF_COUNT]; /* of each section */
+    /* what the second one fills */
+    yci_loom loom;
+    unsigned char *tieup, *treadling;
+    double sum[2][2]; /* of the lengths of single threads, `given` of them */
+    int given[2][2];
+} yci_wif;
+
+static int yci_wif_space(int byte) { return byte == ' ' || byte == '\t' || byte == '\v' || byte == '\f'; }
+
+static void yci_wif_trim(yci_wif_text *t) {
+    while (t->at < t->end && yci_wif_space(*t->at)) t->at++;
+    while (t->at < t->end && yci_wif_space(t->end[-1])) t->end--;
+}
+
+static int yci_wif_upper(int byte) { return byte >= 'a' && byte <= 'z' ? byte - 'a' + 'A' : byte; }
+
+/* Whether the text is this name, in capitals here, in any case there. */
+static int yci_wif_is(yci_wif_text t, const char *name) {
+    for (; t.at < t.end && *name; t.at++, name++)
+        if (yci_wif_upper(*t.at) != *name) return 0;
+    return t.at == t.end && !*name;
+}
+
+static int yci_wif_wrong(yci_wif *w, const char *expected, yci_wif_text found) {
+    int length = (int)yci_min((double)(found.end - found.at), 40.0);
+    w->result =
+        YCI_FAIL(w->c, YC_ERROR_PARSE, "wif line %d: expected %s, found \"%.*s\"", w->line, expected, length, found.at);
+    return 0;
+}
+
+/* Moves to the next line `key = value` of a section that is read. 0 at the end, and after an error. */
+static int yci_wif_next(yci_wif *w) {
+    while (w->rest.at < w->rest.end) {
+        yci_wif_text line;
+        line.at = w->rest.at;
+        while (w->rest.at < w->rest.end && *w->rest.at != '\n' && *w->rest.at != '\r') w->rest.at++;
+        line.end = w->rest.at;
+        if (w->rest.end - w->rest.at >= 2 && w->rest.at[0] == '\r' && w->rest.at[1] == '\n') w->rest.at++;
+        if (w->rest.at < w->rest.end) w->rest.at++;
+        w->line++;
+        for (w->key.at = line.at; w->key.at < line.end && *w->key.at != ';';) w->key.at++;
+        line.end = w->key.at; /* a comment */
+        yci_wif_trim(&line);
+        if (line.at == line.end) continue;
+        if (*line.at == '[') {
+            if (line.end[-1] != ']') return yci_wif_wrong(w, "a section's name in brackets", line);
+            line.at++, line.end--;
+            yci_wif_trim(&line);
+            for (w->section = 0; w->section < YCI_WIF_COUNT; w->section++)
+                if (yci_wif_is(line, yci_wif_names[w->section])) break;
+            continue;
+        }
+        if (w->section == YCI_WIF_COUNT) continue;
+        w->key = w->value = line;
+        while (w->value.at < w->value.end && *w->value.at != '=') w->value.at++;
+        if (w->value.at == w->value.end) return yci_wif_wrong(w, "key=value", line);
+        w->key.end = w->value.at++;
+        yci_wif_trim(&w->key);
+        yci_wif_trim(&w->value);
+        return 1;
+    }
+    return 0;
+}
+
+/* Takes the next number off a list with commas. 0 at the list's end, and after an error. */
+static int yci_wif_number(yci_wif *w, yci_wif_text *list, double *number) {
+    const char *begin;
+    double sign = 1.0, place = 1.0;
+    int digits = 0;
+    yci_wif_trim(list);
+    if (list->at == list->end) return 0;
+    begin = list->at;
+    if (*list->at == '-' || *list->at == '+') sign = *list->at++ == '-' ? -1.0 : 1.0;
+    for (*number = 0.0; list->at < list->end && *list->at >= '0' && *list->at <= '9'; list->at++, digits++)
+        *number = *number * 10.0 + (*list->at - '0');
+    if (list->at < list->end && *list->at == '.')
+        for (list->at++; list->at < list->end && *list->at >= '0' && *list->at <= '9'; list->at++, digits++)
+            place *= 0.1, *number += place * (*list->at - '0');
+    *number *= sign;
+    yci_wif_trim(list);
+    if (!digits || !yci_finite(*number) || (list->at < list->end && *list->at != ',')) {
+        list->at = begin;
+        return yci_wif_wrong(w, "a number", *list);
+    }
+    if (list->at < list->end) list->at++;
+    return 1;
+}
+
+/* The next number of a list as a whole one. 0 at the list's end, and after an error. */
+static int yci_wif_whole(yci_wif *w, yci_wif_text *list, const char *what, int low, int high, int *whole) {
+    yci_wif_text before = *list;
+    double number;
+    char expected[80];
+    if (!yci_wif_number(w, list, &number)) return 0;
+    if (number >= low && number <= high && floor(number) == number) {
+        *whole = (int)number;
+        return 1;
+    }
+    snprintf(expected, sizeof expected, "%s in %d .. %d", what, low, high);
+    return yci_wif_wrong(w, expected, before);
+}
+
+/* The key of a line as a number from 1 on. 0 after an error. */
+static int yci_wif_key(yci_wif *w, const char *what, int high, int *number) {
+    yci_wif_text list = w->key;
+    if (yci_wif_whole(w, &list, what, 1, high, number) && list.at == list.end) return 1;
+    return w->result == YC_OK ? yci_wif_wrong(w, what, w->key) : 0;
+}
+
+/* The first number of a line's value; an error where there is none. */
+static void yci_wif_count(yci_wif *w, const char *what, int low, int high, int *whole) {
+    yci_wif_text list = w->value;
+    if (!yci_wif_whole(w, &list, what, low, high, whole) && w->result == YC_OK) yci_wif_wrong(w, what, w->value);
+}
+
+static void yci_wif_length(yci_wif *w, double *length) {
+    yci_wif_text list = w->value;
+    if (yci_wif_number(w, &list, length) ? *length <= 0.0 : w->result == YC_OK)
+        yci_wif_wrong(w, "a length above 0", w->value);
+}
+
+static void yci_wif_read_family(yci_wif *w, int f) {
+    if (yci_wif_is(w->key, "THREADS")) yci_wif_count(w, "a number of threads", 1, YCI_DRAFT_COUNT, &w->count[f]);
+    else if (yci_wif_is(w->key, "COLOR")) yci_wif_count(w, "a colour", 1, YCI_DRAFT_COUNT, &w->colour[f]);
+    else if (yci_wif_is(w->key, "SPACING")) yci_wif_length(w, &w->length[f][0]);
+    else if (yci_wif_is(w->key, "THICKNESS")) yci_wif_length(w, &w->length[f][1]);
+    else if (yci_wif_is(w->key, "UNITS")) {
+        if (yci_wif_is(w->value, "DECIPOINTS")) w->unit[f] = 0.0254 / 720.0;
+        else if (yci_wif_is(w->value, "INCHES")) w->unit[f] = 0.0254;
+        else if (yci_wif_is(w->value, "CENTIMETERS") || yci_wif_is(w->value, "CENTIMETRES")) w->unit[f] = 0.01;
+        else yci_wif_wrong(w, "Decipoints, Inches or Centimeters", w->value);
+    }
+}
+
+static void yci_wif_read_weaving(yci_wif *w) {
+    static const char *const words[] = {"TRUE", "YES", "ON", "T", "1", "FALSE", "NO", "OFF", "F", "0"};
+    int i;
+    if (yci_wif_is(w->key, "SHAFTS")) yci_wif_count(w, "a number of shafts", 1, YCI_DRAFT_SHAFTS, &w->shafts);
+    else if (yci_wif_is(w->key, "TREADLES"))
+        yci_wif_count(w, "a number of treadles", 0, YCI_DRAFT_SHAFTS, &w->treadles);
+    else if (yci_wif_is(w->key, "RISING SHED")) {
+        for (i = 0; i < 10 && !yci_wif_is(w->value, words[i]);) i++;
+        w->falling = i >= 5;
+        if (i == 10) yci_wif_wrong(w, "true or false", w->value);
+    }
+}
+
+static void yci_wif_read_palette(yci_wif *w) {
+    yci_wif_text list = w->value;
+    if (yci_wif_is(w->key, "ENTRIES")) yci_wif_count(w, "a number of colours", 1, YCI_DRAFT_COUNT, &w->entries);
+    else if (yci_wif_is(w->key, "FORM")) w->symbols = !yci_wif_is(w->value, "RGB");
+    else if (yci_wif_is(w->key, "RANGE")) {
+        if (yci_wif_number(w, &list, &w->range[0]) && yci_wif_number(w, &list, &w->range[1]) &&
+            w->range[0] < w->range[1])
+            return;
+        if (w->result == YC_OK) yci_wif_wrong(w, "two numbers, the second greater", w->value);
+    }
+}
+
+/* First reading: sizes, and how many lines each section has. */
+static void yci_wif_read_sizes(yci_wif *w) {
+    w->section = YCI_WIF_COUNT;
+    while (w->result == YC_OK && yci_wif_next(w)) {
+        int number;
+        w->lines[w->section]++;
+        if (w->section == YCI_WIF_WEAVING) yci_wif_read_weaving(w);
+        else if (w->section == YCI_WIF_PALETTE) yci_wif_read_palette(w);
+        else if (w->section == YCI_WIF_WARP || w->section == YCI_WIF_WEFT)
+            yci_wif_read_family(w, w->section - YCI_WIF_WARP);
+        else if (w->section == YCI_WIF_TABLE && yci_wif_key(w, "a colour", YCI_DRAFT_COUNT, &number) &&
+            number > w->highest)
+            w->highest = number;
+    }
+}
+
+static yc_result yci_wif_missing(yci_wif *w, const char *what) {
+    return YCI_FAIL(w->c, YC_ERROR_PARSE, "wif: %s", what);
+}
+
+static int yci_wif_fits(yci_wif *w, const char *rows, int row_count, const char *columns, int column_count) {
+    if (!column_count || row_count <= YCI_DRAFT_CELLS / column_count) return 1;
+    w->result = YCI_FAIL(w->c, YC_ERROR_PARSE, "wif: %d %s by %d %s are more than %d", row_count, rows, column_count,
+        columns, YCI_DRAFT_CELLS);
+    return 0;
+}
+
+/* Whether the sizes make sense together. */
+static yc_result yci_wif_check(yci_wif *w) {
+    if (!w->shafts) return yci_wif_missing(w, "Shafts is missing in [WEAVING]");
+    if (!w->count[0]) return yci_wif_missing(w, "Threads is missing in [WARP]");
+    if (!w->count[1]) return yci_wif_missing(w, "Threads is missing in [WEFT]");
+    if (!yci_wif_fits(w, "warps", w->count[0], "wefts", w->count[1]) ||
+        !yci_wif_fits(w, "warps", w->count[0], "shafts", w->shafts) ||
+        !yci_wif_fits(w, "wefts", w->count[1], "shafts", w->shafts) ||
+        !yci_wif_fits(w, "wefts", w->count[1], "treadles", w->treadles))
+        return w->result;
+    if (!w->lines[YCI_WIF_THREADING]) return yci_wif_missing(w, "[THREADING] is missing");
+    if (w->lines[YCI_WIF_LIFTPLAN]) return YC_OK;
+    if (!w->lines[YCI_WIF_TREADLING]) return yci_wif_missing(w, "[TREADLING] and [LIFTPLAN] are missing");
+    if (!w->lines[YCI_WIF_TIEUP]) return yci_wif_missing(w, "[TIEUP] and [LIFTPLAN] are missing");
+    if (!w->treadles) return yci_wif_missing(w, "Treadles is missing in [WEAVING]");
+    return YC_OK;
+}
+
+/* A line `row = columns` as a row of a matrix; rows and columns count from 1. `across`: the row is a column of it. */
+static void yci_wif_read_row(yci_wif *w, unsigned char *matrix, const char *row_name, int rows, const char *column_name,
+    int columns, int across) {
+    yci_wif_text list = w->value;
+    size_t row_step = across ? 1 : (size_t)columns, column_step = across ? (size_t)rows : 1;
+    int row, column;
+    if (!yci_wif_key(w, row_name, rows, &row)) return;
+    matrix += (size_t)(row - 1) * row_step;
+    for (column = 0; column < columns; column++) matrix[(size_t)column * column_step] = 0;
+    while (yci_wif_whole(w, &list, column_name, 0, columns, &column))
+        if (column) matrix[(size_t)(column - 1) * column_step] = 1;
+}
+
+static void yci_wif_read_colour(yci_wif *w, yc_draft *draft) {
+    yci_wif_text list = w->value;
+    double value;
+    int number, k;
+    if (!yci_wif_key(w, "a colour", draft->colour_count, &number)) return;
+    for (k = 0; k < 3; k++) {
+        if (!yci_wif_number(w, &list, &value) || value < w->range[0] || value > w->range[1]) {
+            if (w->result == YC_OK) yci_wif_wrong(w, "three numbers in the palette's range", w->value);
+            return;
+        }
+        draft->colours[number - 1][k] = (float)((value - w->range[0]) / (w->range[1] - w->range[0]));
+    }
+}
+
+/* What a section says of single threads of a family: colour (kind -1), spacing (0), thickness (1). */
+static void yci_wif_read_thread(yci_wif *w, yc_draft *draft, int f, int kind) {
+    double length = 0.0;
+    int thread, highest = draft->colour_count ? draft->colour_count : YCI_DRAFT_COUNT;
+    if (!yci_wif_key(w, "a thread", w->count[f], &thread)) return;
+    if (kind < 0) {
+        yci_wif_count(w, "a colour", 1, highest, &draft->order[f][thread - 1]);
+        return;
+    }
+    yci_wif_length(w, &length);
+    if (w->result == YC_OK) w->sum[f][kind] += length, w->given[f][kind]++;
+}
+
+/* Second reading: what the sections say. */
+static void yci_wif_read_lists(yci_wif *w, yc_draft *draft) {
+    int liftplan = w->lines[YCI_WIF_LIFTPLAN] > 0, section;
+    w->section = YCI_WIF_COUNT, w->line = 0;
+    while (w->result == YC_OK && yci_wif_next(w)) {
+        section = w->section;
+        if (section == YCI_WIF_THREADING)
+            yci_wif_read_row(w, w->loom.thread, "a warp", w->count[0], "a shaft", w->shafts, 1);
+        else if (section == YCI_WIF_LIFTPLAN)
+            yci_wif_read_row(w, w->treadling, "a weft", w->count[1], "a shaft", w->shafts, 0);
+        else if (section == YCI_WIF_TREADLING && !liftplan)
+            yci_wif_read_row(w, w->treadling, "a weft", w->count[1], "a treadle", w->treadles, 0);
+        else if (section == YCI_WIF_TIEUP && !liftplan)
+            yci_wif_read_row(w, w->tieup, "a treadle", w->treadles, "a shaft", w->shafts, 0);
+        else if (section == YCI_WIF_TABLE && draft->colours) yci_wif_read_colour(w, draft);
+        else if (section >= YCI_WIF_WARP_COLOURS && section < YCI_WIF_COUNT)
+            yci_wif_read_thread(
+                w, draft, (section - YCI_WIF_WARP_COLOURS) % 2, (section - YCI_WIF_WARP_COLOURS) / 2 - 1);
+    }
+}
+
+/* The counts of the draft's arrays, and room for them. */
+static yc_result yci_wif_room(yci_wif *w, yc_draft *draft) {
+    int f, liftplan = w->lines[YCI_WIF_LIFTPLAN] > 0, coloured;
+    int ordered;
+    size_t warps = (size_t)w->count[0], wefts = (size_t)w->count[1], shafts = (size_t)w->shafts;
+    size_t treadles = liftplan ? shafts : (size_t)w->treadles;
+    w->loom.shafts = w->shafts, w->loom.treadles = (int)treadles, w->loom.sinking = w->falling;
+    w->loom.thread = YCI_NEW(w->c, unsigned char, warps *shafts);
+    w->treadling = YCI_NEW(w->c, unsigned char, wefts *treadles);
+    w->tieup = YCI_NEW(w->c, unsigned char, liftplan ? 0 : treadles *shafts);
+    if (!w->loom.thread || !w->treadling || !w->tieup) return yci_out_of_memory(w->c, "a weaving information file");
+    w->loom.treadling = w->treadling, w->loom.tieup = liftplan ? NULL : w->tieup;
+    for (f = 0; f < 2; f++) {
+        draft->repeat[f] = w->count[f];
+        draft->order_count[f] = w->lines[YCI_WIF_WARP_COLOURS + f] ? w->count[f] : w->colour[f] > 0;
+    }
+    ordered = draft->order_count[0] || draft->order_count[1];
+    coloured = ordered && w->highest && !w->symbols;
+    draft->colour_count = !ordered ? 0 : w->entries ? w->entries : coloured ? w->highest : 0;
+    return yci_draft_room(w->c, draft, coloured);
+}
+
+/* Turns the orders' colours, which count from 1 and are 0 where none is given, into indices. */
+static yc_result yci_wif_colours(yci_wif *w, yc_draft *draft) {
+    int f, k, colour, highest = 0;
+    for (f = 0; f < 2; f++)
+        for (k = 0; k < draft->order_count[f]; k++) {
+            colour = draft->order[f][k] ? draft->order[f][k] : w->colour[f];
+            if (!colour)
+                return YCI_FAIL(w->c, YC_ERROR_PARSE, "wif: thread %d has no colour in [%s COLORS], [%s] no Color",
+                    k + 1, yci_wif_names[YCI_WIF_WARP + f], yci_wif_names[YCI_WIF_WARP + f]);
+            if ((draft->colour_count && colour > draft->colour_count) ||
+                (draft->colours && draft->colours[colour - 1][0] < 0.0f))
+                return YCI_FAIL(w->c, YC_ERROR_PARSE, "wif: colour %d of [%s] is not in [COLOR TABLE]", colour,
+                    yci_wif_names[YCI_WIF_WARP + f]);
+            draft->order[f][k] = colour - 1;
+            if (colour > highest) highest = colour;
+        }
+    for (k = 0; k < draft->colour_count && draft->colours; k++)
+        if (draft->colours[k][0] < 0.0f) draft->colours[k][0] = 0.0f; /* not in the table, and not used */
+    if (!draft->colour_count) draft->colour_count = highest;          /* the file does not say how many there are */
+    return YC_OK;
+}
+
+static yc_result yci_wif_run(yci_wif *w, const char *text, size_t length, yc_draft *draft) {
+    yci_wif_text all;
+    yc_result result;
+    int f, k;
+    all.at = text, all.end = text + length;
+    if (length >= 3 && !memcmp(text, "\xef\xbb\xbf", 3)) all.at += 3; /* a mark of UTF-8 */
+    w->rest = all, w->range[1] = 255.0;
+    yci_wif_read_sizes(w);
+    result = w->result == YC_OK ? yci_wif_check(w) : w->result;
+    if (result == YC_OK) result = yci_wif_room(w, draft);
+    if (result != YC_OK) return result;
+    for (k = 0; k < draft->colour_count && draft->colours; k++) draft->colours[k][0] = -1.0f;
+    w->rest = all;
+    yci_wif_read_lists(w, draft);
+    for (f = 0; f < 2; f++)
+        for (k = 0; k < 2; k++) {
+            int others = w->length[f][k] > 0.0 ? w->count[f] - w->given[f][k] : 0;
+            double sum = w->sum[f][k] + (others > 0 ? others * w->length[f][k] : 0.0);
+            int counted = w->given[f][k] + (others > 0 ? others : 0);
+            (k ? draft->thickness : draft->spacing)[f] = counted ? sum / counted * w->unit[f] : 0.0;
+        }
+    result = w->result == YC_OK ? yci_wif_colours(w, draft) : w->result;
+    return result == YC_OK ? yci_draft_shed(w->c, &w->loom, draft) : result;
+}
+
+YC_API yc_result yc_draft_wif(const yc_host *host, const char *text, size_t length, yc_draft *out, char *message) {
+    yci_context c;
+    yc_draft draft;
+    yci_wif w;
+    yc_result result = yci_draft_begin(&c, host, out);
+    memset(&w, 0, sizeof w);
+    memset(&draft, 0, sizeof draft);
+    w.c = &c;
+    if (result == YC_OK && !text) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "text must not be NULL");
+    if (result == YC_OK) result = yci_wif_run(&w, text, length, &draft);
+    yci_free(&c, w.loom.thread);
+    yci_free(&c, w.treadling);
+    yci_free(&c, w.tieup);
+    if (result != YC_OK) yci_free(&c, draft.owner);
+    return yci_draft_end(&c, result, &draft, out, message);
+}
+
+/* ---- fabrics ----------------------------------------------------------------------------------------------------- */
+
+/* Typical values of fibres and of yarns made of them; single yarns differ by a factor of two.
+ *   density   g/cm^3 of the fibre (Morton and Hearle)
+ *   packing   share of fibre in the yarn; with it Peirce's diameter is 0.0374 sqrt(tex) mm for cotton (Peirce 1937),
+ *             0.036 for linen and filaments, 0.043 for worsted wool
+ *   fibre     tex of one fibre
+ *   rigidity  R, specific flexural rigidity in mN mm^2/tex^2 (Morton and Hearle); that of flax from its modulus,
+ *             18 N/tex / (4 pi density)
+ *   modulus, tenacity   N/tex of the yarn: staple yarns have about half of their fibres'
+ *   friction  between yarns; it falls as the load rises, and wool's depends on the direction */
+static const struct {
+    double density, packing, fibre, rigidity, modulus, tenacity, friction;
+} yci_fibre_values[] = {
+    {1.52, 0.60, 0.17, 0.53, 3.3, 0.16, 0.30},  /* cotton */
+    {1.50, 0.65, 0.30, 0.95, 9.0, 0.25, 0.25},  /* linen */
+    {1.31, 0.525, 0.50, 0.24, 1.1, 0.07, 0.30}, /* wool */
+    {1.34, 0.70, 0.13, 0.60, 7.0, 0.30, 0.25},  /* silk */
+    {1.50, 0.60, 0.17, 0.35, 2.5, 0.12, 0.30},  /* viscose */
+    {1.38, 0.71, 0.20, 0.30, 9.0, 0.40, 0.25},  /* polyester */
+};
+
+YC_API yc_yarn_desc yc_yarn_desc_default(void) {
+    yc_yarn_desc d;
+    memset(&d, 0, sizeof d);
+    d.cookie = YCI_DESC_COOKIE, d.fibre = YC_FIBRE_COTTON, d.tex = 15.0;
+    return d;
+}
+
+/* Replaces what is 0 by the usual. */
+static yc_yarn_desc yci_yarn_resolve(const yc_yarn_desc *desc) {
+    yc_yarn_desc d = *desc;
+    if (d.fibre_tex == 0.0) d.fibre_tex = yci_min(yci_fibre_values[d.fibre].fibre, d.tex);
+    if (d.packing == 0.0) d.packing = yci_fibre_values[d.fibre].packing;
+    if (d.bending_factor == 0.0) d.bending_factor = yci_min(2.5, d.tex / d.fibre_tex);
+    return d;
+}
+
+static yc_result yci_yarn_check(yci_context *c, const yc_yarn_desc *d) {
+    double most;
+    int f = (int)d->fibre;
+    if (d->cookie != YCI_DESC_COOKIE)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.cookie: not made by yc_yarn_desc_default()");
+    if (f < 0 || f >= YC_FIBRE_COUNT)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.fibre = %d must lie in 0 .. %d", f, YC_FIBRE_COUNT - 1);
+    if (!(d->tex > 0.0 && d->tex <= 1e5))
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.tex = %g must lie in (0, 1e5]", d->tex);
+    if (!(d->fibre_tex >= 0.0 && d->fibre_tex <= d->tex))
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.fibre_tex = %g must lie in [0, %g]", d->fibre_tex, d->tex);
+    if (!(d->packing >= 0.0 && d->packing <= 1.0))
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarn.packing = %g must lie in [0, 1]", d->packing);
+    most = d->tex / yci_yarn_resolve(d).fibre_tex;
+    if (d->bending_factor != 0.0 && !(d->bending_factor >= 1.0 && d->bending_factor <= most))
+        return YCI_FAIL(
+            c, YC_ERROR_ARGUMENT, "yarn.bending_factor = %g must be 0 or lie in [1, %g]", d->bending_factor, most);
+    return YC_OK;
+}
+
+/* The material of a yarn that was checked. */
+static yc_yarn_material yci_yarn_make(const yc_yarn_desc *desc) {
+    yc_yarn_material m = yc_yarn_material_default();
+    yc_yarn_desc d = yci_yarn_resolve(desc);
+    m.density = d.tex * 1e-6;
+    m.radius = sqrt(m.density / (YCI_PI * d.packing * yci_fibre_values[d.fibre].density * 1e3));
+    m.stretch = yci_fibre_values[d.fibre].modulus * d.tex, m.strength = yci_fibre_values[d.fibre].tenacity * d.tex;
+    m.bending = d.tex * d.fibre_tex * yci_fibre_values[d.fibre].rigidity * d.bending_factor * 1e-9;
+    m.crimp_bending = m.bending;
+    m.friction = yci_fibre_values[d.fibre].friction;
+    /* In proportion to the count, from a shirting of 15 tex; with 4 k_x / spacing this gives the measured shear of
+     * linen and denim, too. Friction lets go after a fifth of the radius. */
+    m.shear = d.tex * (4e-3 / 15.0), m.contact = d.tex / 15.0, m.preload = d.tex * (5e-3 / 15.0);
+    m.slide = m.friction * m.preload / (0.2 * m.radius);
+    return m;
+}
+
+YC_API yc_result yc_yarn_material_make(const yc_yarn_desc *desc, yc_yarn_material *out, char *message) {
+    yci_context c;
+    yc_result result = yci_context_init(&c, NULL);
+    if (!desc || !out) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "desc and out must not be NULL");
+    if (result == YC_OK) result = yci_yarn_check(&c, desc);
+    if (result == YC_OK) *out = yci_yarn_make(desc);
+    return yci_report(&c, result, message);
+}
+
+/* A fabric as textile engineers write it; wales, courses and loops per cm and in mm, like `range`. */
+typedef struct {
+    const char *name, *source;
+    yc_fibre fibre;
+    int repeat;            /* of the draft, 0: plain weave */
+    double tex[2];         /* warp and weft; a knit's yarn */
+    double per_cm[2];      /* ends and picks; wales and courses */
+    double loop;           /* mm; 0: woven */
+    double crimp[2];       /* percent */
+    double bending_factor; /* of the yarns */
+    double shear;          /* k_x over that of yc_yarn_material_make */
+    const unsigned char *draft;
+    double mass[2];        /* g/m^2 */
+    double bending[2][2];  /* uN m */
+    double shear_range[2]; /* N/m per rad */
+    double hysteresis[2];  /* gf/cm */
+    double tension;        /* N/m */
+    double extension[2];   /* percent */
+    double drape[2];       /* percent */
+} yci_fabric_row;
+
+static const unsigned char yci_draft_denim[16] = {1, 0, 1, 1, 1, 1, 0, 1, 1, 1, 1, 0, 0, 1, 1, 1};
+static const unsigned char yci_draft_satin[25] = {
+    0, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 0, 1, 1};
+
+static const yci_fabric_row yci_fabric_rows[] = {
+    {"cotton shirting",
+        "Counts, threads and mass as in the trade; crimp, KES and drape ranges are typical textbook values, single "
+        "fabrics differ by a factor of two.",
+        YC_FIBRE_COTTON, 0, {15, 15}, {34, 28}, 0, {7, 7}, 2.5, 1, NULL, {95, 130}, {{4, 12}, {4, 12}}, {34, 84},
+        {1, 3}, 490, {2, 6}, {45, 70}},
+    {"linen plain",
+        "Counts, threads and mass typical of medium linens; bending, crimp and KES ranges are orders of magnitude.",
+        YC_FIBRE_LINEN, 0, {50, 50}, {16, 14}, 0, {5, 5}, 2.5, 1, NULL, {150, 190}, {{20, 60}, {20, 60}}, {40, 110},
+        {1.5, 5}, 490, {2, 5}, {60, 85}},
+    {"denim 3/1 twill",
+        "Counts, threads and mass of a 12 oz denim as in the trade; crimp, KES and drape ranges are typical textbook "
+        "values, single fabrics differ by a factor of two.",
+        YC_FIBRE_COTTON, 4, {84, 75}, {25, 17}, 0, {11, 3.5}, 2.5, 1, yci_draft_denim, {320, 480},
+        {{40, 120}, {20, 60}}, {110, 280}, {4, 10}, 490, {2, 8}, {80, 95}},
+    {"polyester satin",
+        "A five-end satin of flat filament yarn, counts and threads typical; KES and drape ranges are typical textbook "
+        "values, single fabrics differ by a factor of two.",
+        YC_FIBRE_POLYESTER, 5, {8.3, 8.3}, {80, 38}, 0, {3, 2}, 1.25, 0.45, yci_draft_satin, {80, 120},
+        {{2, 6}, {2, 6}}, {14, 28}, {0.3, 1}, 490, {2, 8}, {15, 35}},
+    {"cotton single jersey",
+        "Loop length and count as in the trade, wales and courses near the dry-relaxed ones of Munden 1959; KES and "
+        "drape ranges are typical textbook values.",
+        YC_FIBRE_COTTON, 0, {20, 20}, {14.8, 19.3}, 2.8, {0, 0}, 2.5, 1, NULL, {140, 180}, {{1, 5}, {1, 5}}, {22, 45},
+        {1.5, 4}, 49, {10, 40}, {15, 35}},
+    {"wool rib 1x1",
+        "Yarn 2/28 Nm and loop length typical, wales and courses from the fully relaxed ones of Munden 1959 for "
+        "plain knitting; KES and drape ranges are orders of magnitude.",
+        YC_FIBRE_WOOL, 0, {71, 71}, {7.6, 10}, 5.5, {0, 0}, 2.5, 1, NULL, {250, 320}, {{10, 40}, {10, 40}}, {28, 56},
+        {2, 5}, 49, {40, 100}, {20, 45}},
+    {"wool stockinette",
+        "DK yarn at the gauge of its label; bending is an order of magnitude, KES and drape values are not known.",
+        YC_FIBRE_WOOL, 0, {440, 440}, {2.2, 3}, 19, {0, 0}, 2.5, 1, NULL, {450, 600}, {{0, 0}, {0, 0}}, {0, 0}, {0, 0},
+        0, {0, 0}, {0, 0}}};
+
+static void yci_fabric_range(double out[2], const double in[2], double unit) {
+    out[0] = in[0] * unit, out[1] = in[1] * unit;
+}
+
+YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
+    const yci_fabric_row *row;
+    yc_yarn_desc yarn = yc_yarn_desc_default();
+    yc_yarn_material yarns[2];
+    yc_weave_desc *weave;
+    int f;
+    if (!out || (int)name < 0 || name >= YC_FABRIC_COUNT) return YC_ERROR_ARGUMENT;
+    row = &yci_fabric_rows[name];
+    memset(out, 0, sizeof *out);
+    out->name = row->name, out->source = row->source, out->woven = row->loop == 0.0;
+    yarn.fibre = row->fibre;
+    for (f = 0; f < 2; f++) {
+        yarn.tex = row->tex[f], yarn.bending_factor = row->bending_factor;
+        yarns[f] = yci_yarn_make(&yarn);
+        yarns[f].shear *= row->shear;
+        yci_fabric_range(out->bending[f], row->bending[f], 1e-6);
+    }
+    weave = &out->weave, *weave = yc_weave_desc_default();
+    if (out->woven) {
+        weave->warp = weave->weft = yarns[0], weave->weft = yarns[1], weave->rod = yarns[0], weave->rod.density *= 2.0;
+        weave->draft = row->draft;
+        for (f = 0; f < 2; f++) {
+            weave->spacing[f] = 0.01 / row->per_cm[f], weave->crimp[f] = 0.01 * row->crimp[f];
+            if (row->repeat) weave->repeat[f] = row->repeat;
+        }
+    } else {
+        out->yarn = yarns[0], out->loop = 1e-3 * row->loop;
+        out->wales = 100.0 * row->per_cm[0], out->courses = 100.0 * row->per_cm[1];
+    }
+    yci_fabric_range(out->mass, row->mass, 1e-3);
+    yci_fabric_range(out->shear, row->shear_range, 1.0);
+    yci_fabric_range(out->hysteresis, row->hysteresis, 0.980665); /* gf/cm */
+    yci_fabric_range(out->extension, row->extension, 0.01);
+    yci_fabric_range(out->drape, row->drape, 0.01);
+    out->tension = row->tension;
+    return YC_OK;
 }
 
 /* =====================================================================================================================

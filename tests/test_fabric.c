@@ -1,4 +1,5 @@
-/* Tests of chapter `fabric`: weaves laid over pieces, their ends, rods along seams, checks of meshes and networks. */
+/* Tests of chapter `fabric`: weaves laid over pieces, their ends, rods along seams, checks of meshes and networks;
+ * yarns, bundles of them, fabrics. Drafts: see test_draft.c. */
 #include "internals.h"
 #include "test.h"
 #include <math.h>
@@ -76,6 +77,8 @@ static int half_of(const yc_yarns *y, int node) {
     return -1;
 }
 
+static int selvedges; /* nonzero: crossings at ends may be held */
+
 /* All that holds for every weave. Returns the summed length of warps and wefts. */
 static double check_weave(const yc_yarns *y, const yc_mesh *mesh, double grain) {
     char message[YC_MESSAGE_SIZE];
@@ -96,7 +99,8 @@ static double check_weave(const yc_yarns *y, const yc_mesh *mesh, double grain) 
             int node = y->visit_node[k], before = k > first ? y->visit_node[k - 1] : node;
             if (family == YC_ROD) CHECK(visits[node] == 2 && y->visit_held[k]);
             if (visits[node] == 1) CHECK(y->visit_layer[k] == 0);
-            if (k > first && k < last) CHECK(!y->visit_held[k] == (family != YC_ROD && visits[node] == 2));
+            if (k > first && k < last && !selvedges)
+                CHECK(!y->visit_held[k] == (family != YC_ROD && visits[node] == 2));
             crossings += y->visit_layer[k] != 0;
             if (visits[node] == 2 && !other[node]) other[node] = k + 1;
             else if (visits[node] == 2) {
@@ -175,16 +179,40 @@ TEST(fabric_rectangle) {
     yc_yarns_destroy(NULL);
 }
 
-/* Tails of 0.7, 0.1 and 0 spacings at the far sides; different spacings. */
+/* Tails of 0.7, 0.1, 0.02 and 0 spacings at the far sides; different spacings. */
 TEST(fabric_rectangle_tails) {
     yc_weave_desc d = yc_weave_desc_default();
     yc_yarns y;
+    int i, k;
     d.spacing[0] = 0.002, d.spacing[1] = 0.004;
     d.size[0] = 10.2 * 0.002, d.size[1] = 6.6 * 0.004; /* 10 warps, tail 0.7; 7 wefts, tail 0.1 */
     if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
     CHECK(count_family(&y, YC_WARP) == 10 && count_family(&y, YC_WEFT) == 7 && count_crossings(&y) == 70);
+    CHECK(y.node_count == 70 + 20 + 14);
+    CHECK_NEAR(check_weave(&y, NULL, 0.0), 10 * 6.6 * 0.004 + 7 * 10.2 * 0.002, 1e-12);
+    yc_yarns_destroy(&y);
+    d.edge[YC_WARP] = d.edge[YC_WEFT] = YC_EDGE_SELVEDGE;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(count_family(&y, YC_WARP) == 10 && count_family(&y, YC_WEFT) == 7 && count_crossings(&y) == 70);
     CHECK(y.node_count == 70 + 10 + 14); /* warps have one tip, wefts two */
+    selvedges = 1;
     CHECK_NEAR(check_weave(&y, NULL, 0.0), 10 * 6.5 * 0.004 + 7 * 10.2 * 0.002, 1e-12);
+    selvedges = 0;
+    for (i = 0; i < y.yarn_count; i++)
+        for (k = y.yarn_first[i]; k < y.yarn_first[i + 1]; k++) { /* first and last crossings, and what is beyond */
+            int n = k - y.yarn_first[i], count = y.yarn_first[i + 1] - y.yarn_first[i];
+            CHECK(y.visit_held[k] == (n < 2 || n >= count - (y.yarn_family[i] == YC_WARP ? 1 : 2)));
+        }
+    yc_yarns_destroy(&y);
+    d.edge[YC_WARP] = YC_EDGE_CUT; /* as cloth comes off a loom */
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    for (i = 0; i < y.yarn_count; i++) CHECK(y.visit_held[y.yarn_first[i] + 1] == (y.yarn_family[i] == YC_WEFT));
+    yc_yarns_destroy(&y);
+    d.edge[YC_WEFT] = YC_EDGE_CUT;
+    d.size[1] = 6.52 * 0.004; /* warps let go of the last weft, which falls off */
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(count_family(&y, YC_WARP) == 10 && count_family(&y, YC_WEFT) == 6 && count_crossings(&y) == 60);
+    CHECK_NEAR(check_weave(&y, NULL, 0.0), 10 * 6.52 * 0.004 + 6 * 10.2 * 0.002, 1e-12);
     yc_yarns_destroy(&y);
     d.size[0] = 10.5 * 0.002; /* a line on the edge is not laid */
     if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
@@ -260,13 +288,14 @@ TEST(fabric_concave) {
     yc_yarns_destroy(&y);
 }
 
-/* Half a ring, bent from a strip: exact clips on slanted edges; yarn ends of every length. */
-TEST(fabric_ring) {
+/* Half a ring, bent from a strip: exact clips on slanted edges; yarn ends of every length. A cut yarn ends in a node of
+ * its own, a selvedge's does so or at its last crossing. */
+static void check_ring(yc_edge edge, double least) {
     yc_weave_desc d = yc_weave_desc_default();
     yc_mesh mesh;
     yc_yarns y;
-    double area = 0.0, length, kept = 0.0;
-    int i, k;
+    double area = 0.0, length, shortest = 1.0;
+    int i, k, tips = 0;
     clear_room();
     add_piece(40, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
     for (i = 0; i < room.uvs; i++) {
@@ -274,26 +303,34 @@ TEST(fabric_ring) {
         room.uv[i][0] = -r * cos(angle), room.uv[i][1] = -r * sin(angle);
     }
     mesh = room_mesh();
+    d.edge[YC_WARP] = d.edge[YC_WEFT] = edge;
     if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
     for (i = 0; i < room.triangles; i++) {
         const double *a = room.uv[room.uv_triangle[i][0]], *b = room.uv[room.uv_triangle[i][1]];
         const double *c = room.uv[room.uv_triangle[i][2]];
         area += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
     }
+    selvedges = edge == YC_EDGE_SELVEDGE;
     length = check_weave(&y, &mesh, 0.0);
+    selvedges = 0;
     CHECK_NEAR(length, 2.0 * area / 2.5e-3, 0.02 * length);
     CHECK_NEAR(count_crossings(&y), area / 2.5e-3 / 2.5e-3, 0.02 * area / 2.5e-3 / 2.5e-3);
     for (i = 0; i < y.yarn_count; i++)
         for (k = 0; k < 2; k++) {
-            int visit = k ? y.yarn_first[i + 1] - 1 : y.yarn_first[i], node = y.visit_node[visit];
-            double tail = k ? y.visit_u[visit] - y.visit_u[visit - 1] : y.visit_u[visit + 1];
+            int visit = k ? y.yarn_first[i + 1] - 1 : y.yarn_first[i];
             if (y.visit_layer[visit]) continue;
-            CHECK(half_of(&y, node) >= 0); /* on the outline */
-            CHECK(tail >= 0.3 * 2.5e-3);
-            kept += tail;
+            CHECK(half_of(&y, y.visit_node[visit]) >= 0); /* on the outline */
+            shortest = yci_min(shortest, k ? y.visit_u[visit] - y.visit_u[visit - 1] : y.visit_u[visit + 1]);
+            tips++;
         }
-    CHECK(kept > 0.0);
+    CHECK(shortest >= least && shortest < 1.5 * least);
+    CHECK(edge == YC_EDGE_CUT ? tips == 2 * y.yarn_count : tips < 2 * y.yarn_count);
     yc_yarns_destroy(&y);
+}
+
+TEST(fabric_ring) {
+    check_ring(YC_EDGE_CUT, 0.05 * 2.5e-3);
+    check_ring(YC_EDGE_SELVEDGE, 0.3 * 2.5e-3);
 }
 
 /* Two pieces at the same UVs: every node lies in a triangle of its own piece. */
@@ -640,6 +677,8 @@ static void refused(const yc_weave_desc *d, const yc_mesh *mesh, yc_result code,
 }
 
 TEST(fabric_weave_refuses) {
+    static const int order[3] = {0, 1, 2};
+    yc_yarn_material colours[2] = {yc_yarn_material_default(), yc_yarn_material_default()};
     yc_weave_desc d = yc_weave_desc_default(), good = d;
     yc_yarns y;
     char message[YC_MESSAGE_SIZE];
@@ -673,6 +712,20 @@ TEST(fabric_weave_refuses) {
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.friction = 11 must be at most 10");
     d = good, d.rod.density = -1.0;
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.rod.density = -1 must be greater than 0");
+    d = good, d.edge[1] = (yc_edge)2;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.edge[1] = 2 is none of yc_edge");
+    d = good, d.bundle = 0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.bundle = 0 must lie in 1 .. 1000");
+    d = good, d.material_count = -1;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.material_count = -1 must lie in 0 .. 100000000");
+    d = good, d.material_count = 2;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.materials must not be NULL: material_count = 2");
+    d.materials = colours, d.order[1] = order;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.order_count[1] = 0 must be at least 1");
+    d.order_count[1] = 3;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.order[1][2] = 2 must lie in 0 .. 1");
+    colours[1].radius = -1.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.materials[1].radius = -1 must be greater than 0");
     d = good, d.rod.density = 0.0, d.rod.stretch = -1.0; /* no rods: their material is not looked at */
     CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK);
     yc_yarns_destroy(&y);
@@ -851,4 +904,202 @@ TEST(fabric_material) {
     m = yc_triangle_material_default();
     CHECK(m.stretch[0] == 2000.0 && m.stretch[1] == 2000.0 && m.density == 0.12);
     CHECK(m.shear == 60.0 && m.bending == 8e-6);
+}
+
+/* Warps of two colours, 2 and 1; wefts of one. */
+TEST(fabric_orders) {
+    static const int order[3] = {1, 1, 0}, lines[3] = {2, 0, 1};
+    yc_yarn_material colours[2] = {yc_yarn_material_default(), yc_yarn_material_default()};
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_triangle_material m;
+    yc_yarns y;
+    int i;
+    colours[0].density = 20e-6, colours[1].density = 50e-6, colours[1].stretch = 80.0;
+    d.size[0] = d.size[1] = 0.025;
+    d.material_count = 2, d.materials = colours, d.order[YC_WARP] = order, d.order_count[YC_WARP] = 3;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(y.material_count == 5 && y.materials[2].density == 30e-6 && y.materials[4].density == 50e-6);
+    for (i = 0; i < 20; i++) CHECK(y.yarn_material[i] == (i < 10 ? 3 + order[i % 3] : YC_WEFT));
+    yc_yarns_destroy(&y);
+    m = yc_weave_material(&d);
+    CHECK_NEAR(m.density, (40e-6 + 15e-6) / 2.5e-3, 1e-15);
+    CHECK_NEAR(m.stretch[1], 70.0 / 2.5e-3, 1e-9);
+    CHECK_NEAR(m.stretch[0], 50.0 / 2.5e-3, 1e-9);
+    d.grain = 0.5 * YCI_PI; /* lines with negative numbers: -1 is the last of the order */
+    d.rod.density = 0.0;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(y.material_count == 4 && count_family(&y, YC_WARP) == 10);
+    for (i = 0; i < y.yarn_count; i++) {
+        int line = (int)floor(y.layout[y.visit_node[y.yarn_first[i]]][1] / 2.5e-3);
+        if (y.yarn_family[i] == YC_WARP) CHECK(y.yarn_material[i] == 2 + order[line % 3]);
+    }
+    yc_yarns_destroy(&y);
+    d.grain = -0.5 * YCI_PI;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    for (i = 0; i < y.yarn_count; i++) {
+        int line = (int)floor(y.layout[y.visit_node[y.yarn_first[i]]][1] / 2.5e-3);
+        if (y.yarn_family[i] == YC_WARP) CHECK(y.yarn_material[i] == 2 + order[lines[line % 3]]);
+    }
+    yc_yarns_destroy(&y);
+    d.material_count = 0; /* orders are not looked at */
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(y.material_count == 2 && y.yarn_material[0] == YC_WARP);
+    yc_yarns_destroy(&y);
+}
+
+/* The energies of a swatch of 40 mm, stretched (kind 0), sheared (1) or rolled up (2). */
+static void deformed_energy(int bundle, int kind, double terms[YC_TERM_COUNT]) {
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_scene *scene;
+    yc_yarns y;
+    double(*place)[3];
+    int i, handle;
+    d.spacing[0] = d.spacing[1] = 1e-3, d.size[0] = d.size[1] = 0.04, d.bundle = bundle;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    place = (double(*)[3])calloc((size_t)y.node_count, sizeof *place);
+    for (i = 0; i < y.node_count; i++) {
+        const double *x = y.layout[i];
+        double turn = 20.0 * x[0];
+        place[i][0] = kind == 0 ? 1.01 * x[0] : kind == 1 ? x[0] + 0.3 * x[1] : sin(turn) / 20.0;
+        place[i][1] = x[1], place[i][2] = kind == 2 ? cos(turn) / 20.0 : 0.0;
+    }
+    cloth.yarns = &y, cloth.yarn_positions = (const double(*)[3])place;
+    if (CHECK_RESULT(yc_scene_create(NULL, &settings, &scene, NULL), YC_OK)) {
+        CHECK_RESULT(yc_scene_add_cloth(scene, &cloth, &handle), YC_OK);
+        CHECK_RESULT(yc_scene_energy(scene, terms), YC_OK);
+        yc_scene_destroy(scene);
+    }
+    free(place);
+    yc_yarns_destroy(&y);
+}
+
+/* Bundles of four store what single yarns do, stretched, sheared, bent, pressed together; and weigh as much. */
+TEST(fabric_bundle) {
+    static const yc_term terms[3] = {YC_TERM_STRETCH, YC_TERM_SHEAR, YC_TERM_BENDING};
+    double close[2] = {0.0, 0.7e-3}, closer[2] = {0.0, 2.8e-3};
+    yc_yarn_material m = yc_yarn_material_default();
+    yc_weave_desc d = yc_weave_desc_default();
+    yc_yarns y;
+    int kind;
+    for (kind = 0; kind < 3; kind++) {
+        double single[YC_TERM_COUNT], bundled[YC_TERM_COUNT];
+        deformed_energy(1, kind, single), deformed_energy(4, kind, bundled);
+        CHECK(single[terms[kind]] > 0.0);
+        CHECK_NEAR(bundled[terms[kind]] / single[terms[kind]], 1.0, kind == 0 ? 1e-9 : 0.1); /* ends do not bend */
+        CHECK_NEAR(bundled[YC_TERM_GRAVITY], single[YC_TERM_GRAVITY],
+            (kind == 2 ? 1e-2 : 1e-9) * fabs(single[YC_TERM_GRAVITY]));
+    }
+    CHECK_NEAR(
+        yci_yarn_contact(closer, 4.0, 4e-3, NULL, NULL), 16.0 * yci_yarn_contact(close, 1.0, 1e-3, NULL, NULL), 1e-15);
+    d.bundle = 3, d.size[0] = d.size[1] = 0.075, d.warp.preload = 0.01, d.warp.strength = 2.0;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
+    CHECK(y.yarn_count == 20 && y.materials[2].density == d.rod.density);
+    CHECK_NEAR(y.materials[0].slide, 9.0 * m.slide, 1e-9);
+    CHECK_NEAR(y.materials[0].preload, 0.09, 1e-15);
+    CHECK_NEAR(y.materials[0].crimp_bending, 27.0 * m.crimp_bending, 1e-20);
+    CHECK_NEAR(y.materials[0].strength, 6.0, 1e-15);
+    CHECK(y.materials[0].friction == m.friction && y.materials[0].shear_limit == m.shear_limit);
+    yc_yarns_destroy(&y);
+}
+
+static void yarn_refused(const yc_yarn_desc *d, const char *expected) {
+    yc_yarn_material m, before;
+    char message[YC_MESSAGE_SIZE];
+    memset(&m, 7, sizeof m);
+    before = m;
+    CHECK_RESULT(yc_yarn_material_make(d, &m, message), YC_ERROR_ARGUMENT);
+    CHECK_TEXT(message, expected);
+    CHECK(!memcmp(&m, &before, sizeof m));
+}
+
+/* Peirce's diameters, and the bending of free fibres, from the books. */
+TEST(fabric_yarn_material) {
+    static const double diameter[3] = {0.0374e-3, 0.036e-3, 0.043e-3}; /* cotton, linen, wool: m per root of tex */
+    yc_yarn_desc d = yc_yarn_desc_default();
+    yc_yarn_material m;
+    char message[YC_MESSAGE_SIZE];
+    int f;
+    for (f = 0; f < YC_FIBRE_COUNT; f++) {
+        yc_yarns y;
+        yc_weave_desc weave = yc_weave_desc_default();
+        d.fibre = (yc_fibre)f, d.tex = 49.0;
+        if (!CHECK_RESULT(yc_yarn_material_make(&d, &m, message), YC_OK)) return;
+        CHECK_TEXT(message, "");
+        CHECK_NEAR(m.density, 49e-6, 1e-18);
+        if (f < 3) CHECK_NEAR(2.0 * m.radius, 7.0 * diameter[f], 0.01 * 7.0 * diameter[f]);
+        CHECK(m.strength > 0.01 * m.stretch && m.strength < 0.2 * m.stretch); /* yarns break at some percent */
+        CHECK(m.crimp_bending == m.bending);
+        weave.warp = weave.weft = m;
+        if (CHECK_RESULT(yc_weave(NULL, &weave, NULL, &y, message), YC_OK)) yc_yarns_destroy(&y);
+    }
+    d = yc_yarn_desc_default(), d.bending_factor = 1.0, d.fibre_tex = 0.17;
+    CHECK_RESULT(yc_yarn_material_make(&d, &m, NULL), YC_OK);
+    CHECK_NEAR(m.bending, 15.0 * 0.17 * 0.53e-9, 1e-18);
+    CHECK_NEAR(m.stretch, 50.0, 1.0);
+    d.fibre_tex = 15.0, d.bending_factor = 0.0; /* a single filament */
+    CHECK_RESULT(yc_yarn_material_make(&d, &m, NULL), YC_OK);
+    CHECK_NEAR(m.bending, 225.0 * 0.53e-9, 1e-16);
+    d.packing = 1.0;
+    CHECK_RESULT(yc_yarn_material_make(&d, &m, NULL), YC_OK);
+    CHECK_NEAR(YCI_PI * m.radius * m.radius * 1520.0, 15e-6, 1e-15);
+    CHECK_RESULT(yc_yarn_material_make(&d, NULL, message), YC_ERROR_ARGUMENT);
+    CHECK_TEXT(message, "desc and out must not be NULL");
+    d = yc_yarn_desc_default(), d.cookie = 0;
+    yarn_refused(&d, "yarn.cookie: not made by yc_yarn_desc_default()");
+    d = yc_yarn_desc_default(), d.fibre = YC_FIBRE_COUNT;
+    yarn_refused(&d, "yarn.fibre = 6 must lie in 0 .. 5");
+    d = yc_yarn_desc_default(), d.tex = 0.0;
+    yarn_refused(&d, "yarn.tex = 0 must lie in (0, 1e5]");
+    d.tex = HUGE_VAL;
+    yarn_refused(&d, "yarn.tex = inf must lie in (0, 1e5]");
+    d = yc_yarn_desc_default(), d.fibre_tex = 16.0;
+    yarn_refused(&d, "yarn.fibre_tex = 16 must lie in [0, 15]");
+    d = yc_yarn_desc_default(), d.packing = 1.5;
+    yarn_refused(&d, "yarn.packing = 1.5 must lie in [0, 1]");
+    d = yc_yarn_desc_default(), d.fibre_tex = 1.0, d.bending_factor = 20.0;
+    yarn_refused(&d, "yarn.bending_factor = 20 must be 0 or lie in [1, 15]");
+}
+
+/* The fabrics weigh, bend and shear as such fabrics do. */
+TEST(fabric_presets) {
+    yc_fabric fabric, before;
+    yc_draft satin, twill;
+    int i, f;
+    memset(&satin, 0, sizeof satin), memset(&twill, 0, sizeof twill);
+    for (i = 0; i < YC_FABRIC_COUNT; i++) {
+        double mass;
+        if (!CHECK_RESULT(yc_fabric_get((yc_fabric_name)i, &fabric), YC_OK)) return;
+        CHECK(fabric.name && fabric.source && fabric.woven == (i <= YC_FABRIC_SATIN));
+        mass = fabric.wales * fabric.courses * fabric.loop * fabric.yarn.density;
+        if (fabric.woven) {
+            yc_weave_desc *d = &fabric.weave;
+            yc_triangle_material m = yc_weave_material(d);
+            yc_yarns y;
+            mass = m.density;
+            CHECK(m.shear >= fabric.shear[0] && m.shear <= fabric.shear[1]);
+            for (f = 0; f < 2; f++) {
+                double bending = (f ? d->weft : d->warp).bending / d->spacing[f];
+                CHECK(bending >= fabric.bending[f][0] && bending <= fabric.bending[f][1]);
+                CHECK(fabric.extension[f] > 0.0 && fabric.hysteresis[f] > 0.0 && fabric.tension == 490.0);
+            }
+            d->size[0] = d->size[1] = 0.01;
+            if (CHECK_RESULT(yc_weave(NULL, d, NULL, &y, NULL), YC_OK)) yc_yarns_destroy(&y);
+        }
+        CHECK(mass >= fabric.mass[0] && mass <= fabric.mass[1]);
+    }
+    if (!CHECK_RESULT(yc_draft_satin(NULL, 5, 2, YC_WARP, &satin, NULL), YC_OK)) return;
+    if (!CHECK_RESULT(yc_draft_twill(NULL, 3, 1, 'Z', &twill, NULL), YC_OK)) return;
+    yc_fabric_get(YC_FABRIC_SATIN, &fabric);
+    CHECK(fabric.weave.repeat[0] == 5 && !memcmp(fabric.weave.draft, satin.over, 25));
+    yc_fabric_get(YC_FABRIC_DENIM, &fabric);
+    CHECK(fabric.weave.repeat[1] == 4 && !memcmp(fabric.weave.draft, twill.over, 16));
+    CHECK(fabric.weave.warp.density == 84e-6 && fabric.weave.weft.density == 75e-6);
+    yc_draft_destroy(&satin), yc_draft_destroy(&twill);
+    before = fabric;
+    CHECK_RESULT(yc_fabric_get(YC_FABRIC_COUNT, &fabric), YC_ERROR_ARGUMENT);
+    CHECK_RESULT(yc_fabric_get((yc_fabric_name)-1, &fabric), YC_ERROR_ARGUMENT);
+    CHECK_RESULT(yc_fabric_get(YC_FABRIC_RIB, NULL), YC_ERROR_ARGUMENT);
+    CHECK(!memcmp(&fabric, &before, sizeof fabric));
 }
