@@ -584,10 +584,10 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out);
 typedef struct yc_scene yc_scene;
 
 typedef enum yc_solver {
-    YC_SOLVER_AUTO = 0,      /* direct without hybrid nodes, else YC_SOLVER_TWO_LEVEL */
-    YC_SOLVER_DIRECT,        /* sparse LDL^T; not for scenes with hybrid nodes */
-    YC_SOLVER_TWO_LEVEL,     /* MPCG: incomplete factor of the yarns, the mesh as coarse space; needs a mesh */
-    YC_SOLVER_NONE,          /* MPCG of MIX without preconditioner */
+    YC_SOLVER_AUTO = 0,  /* direct without hybrid nodes and with few full ones, else YC_SOLVER_TWO_LEVEL */
+    YC_SOLVER_DIRECT,    /* sparse LDL^T; not for scenes with hybrid nodes */
+    YC_SOLVER_TWO_LEVEL, /* MPCG: incomplete factor of the yarns; coarse space: the mesh, a net where there is none */
+    YC_SOLVER_NONE,      /* MPCG of MIX without preconditioner */
     YC_SOLVER_MASS_DIAGONAL, /* MPCG with the mass diagonal, filtered on both sides */
     YC_SOLVER_MASS,          /* MPCG with the preconditioner P of MIX (12), in its sparse form */
     YC_SOLVER_MASS_DENSE     /* the same P by Sherman-Morrison-Woodbury and a dense LU, as in MIX; for comparison */
@@ -11183,9 +11183,11 @@ typedef struct yci_local {
     double energy, g[12], h[144];
 } yci_local;
 
-#define YCI_CHUNK 256      /* elements evaluated at once before their serial, ordered addition */
-#define YCI_PATIENCE 3     /* Newton iterations without a lower E before line searches begin */
-#define YCI_JAM_WIDTH 0.05 /* rad, over which shear jamming rises to its full stiffness */
+#define YCI_CHUNK 256         /* elements evaluated at once before their serial, ordered addition */
+#define YCI_DIRECT_LIMIT 2000 /* full yarn nodes that are solved for directly */
+#define YCI_NET_NODES 9       /* yarn nodes per cell of a coarse net: 25 take twice the iterations at 5 ms */
+#define YCI_PATIENCE 3        /* Newton iterations without a lower E before line searches begin */
+#define YCI_JAM_WIDTH 0.05    /* rad, over which shear jamming rises to its full stiffness */
 
 #define YCI_ARRAY(type, name) \
     type *name; \
@@ -12355,9 +12357,49 @@ static int yci_build_order(const yc_scene *s, const yci_model *m, int *order, un
     return count;
 }
 
+/* A direct solve of many yarn nodes costs more than the two levels, in time and in memory. */
 static yc_solver yci_build_solver(const yc_scene *s, const yci_model *m) {
-    if (s->desc.solver == YC_SOLVER_AUTO) return m->hybrid ? YC_SOLVER_TWO_LEVEL : YC_SOLVER_DIRECT;
-    return s->desc.solver;
+    if (s->desc.solver != YC_SOLVER_AUTO) return s->desc.solver;
+    return m->hybrid || m->full > YCI_DIRECT_LIMIT ? YC_SOLVER_TWO_LEVEL : YC_SOLVER_DIRECT;
+}
+
+/* The coarse space of a cloth without a mesh: a grid over its layout, each cell of about YCI_NET_NODES nodes split into
+ * two triangles. Its vertices are numbered behind those of all meshes. */
+typedef struct yci_net {
+    int cells[2];
+    double low[2], step[2]; /* m */
+} yci_net;
+
+static int yci_net_make(const yc_yarns *y, yci_net *net) {
+    double high[2], cell;
+    int i, k;
+    for (k = 0; k < 2; k++) net->low[k] = high[k] = y->layout[0][k];
+    for (i = 1; i < y->node_count; i++)
+        for (k = 0; k < 2; k++) {
+            net->low[k] = yci_min(net->low[k], y->layout[i][k]);
+            high[k] = yci_max(high[k], y->layout[i][k]);
+        }
+    cell = sqrt(YCI_NET_NODES * (high[0] - net->low[0]) * (high[1] - net->low[1]) / y->node_count);
+    for (k = 0; k < 2; k++) {
+        double width = high[k] - net->low[k];
+        net->cells[k] = cell > 0.0 ? (int)yci_clamp(floor(width / cell + 0.5), 1.0, (double)y->node_count) : 1;
+        net->step[k] = width > 0.0 ? width / net->cells[k] : 1.0;
+    }
+    return (net->cells[0] + 1) * (net->cells[1] + 1);
+}
+
+static void yci_net_place(const yci_net *net, const double *point, int first, int *vertex, double *weight) {
+    double at[2];
+    int cell[2], k, row = net->cells[0] + 1, corner, low;
+    for (k = 0; k < 2; k++) {
+        at[k] = (point[k] - net->low[k]) / net->step[k];
+        cell[k] = (int)yci_clamp(floor(at[k]), 0.0, (double)(net->cells[k] - 1));
+        at[k] -= cell[k];
+    }
+    corner = first + cell[1] * row + cell[0], low = at[0] >= at[1];
+    vertex[0] = corner, vertex[1] = corner + (low ? 1 : row), vertex[2] = corner + row + 1;
+    weight[2] = yci_min(at[0], at[1]), weight[1] = yci_max(at[0], at[1]) - weight[2];
+    weight[0] = 1.0 - weight[1] - weight[2];
 }
 
 typedef struct yci_system_scratch {
@@ -12368,7 +12410,7 @@ typedef struct yci_system_scratch {
 } yci_system_scratch;
 
 static void yci_build_input(yc_scene *s, yci_model *m, yci_system_scratch *w, yci_system_input *in) {
-    int i, k, n = in->n;
+    int i, k, n = in->n, vertices = s->vertices;
     for (i = 0; i < s->vertices; i++) {
         w->vertex_node[i] = m->system_node[i] >= 0 ? m->system_node[i] : -1;
         w->state[i] = (unsigned char)(m->system_node[i] >= 0 ? 1 : m->system_node[i] <= -2 ? 2 : 0);
@@ -12376,10 +12418,13 @@ static void yci_build_input(yc_scene *s, yci_model *m, yci_system_scratch *w, yc
     for (i = 0; i < n; i++) w->triangle[3 * i] = -1;
     for (i = 0; i < s->cloth_count; i++) {
         const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
-        int node;
+        yci_net net;
+        int node, first = vertices;
+        if (y && !y->triangle) vertices += yci_net_make(y, &net);
         for (node = 0; y && node < y->node_count; node++) {
             int at = m->system_node[s->cloth[i].node + node];
             if (at < 0) continue;
+            if (!y->triangle) yci_net_place(&net, y->layout[node], first, w->triangle + 3 * at, w->beta + 3 * at);
             w->is_yarn[at] = 1, w->is_hybrid[at] = m->role[s->cloth[i].node + node] == YCI_HYBRID;
             for (k = 0; y->triangle && k < 3; k++) {
                 w->triangle[3 * at + k] = s->triangle[3 * (s->cloth[i].triangle + y->triangle[node]) + k];
@@ -12387,8 +12432,9 @@ static void yci_build_input(yc_scene *s, yci_model *m, yci_system_scratch *w, yc
             }
         }
     }
+    for (i = s->vertices; i < vertices; i++) w->vertex_node[i] = -1;
     in->order_count = yci_build_order(s, m, w->order, w->taken);
-    in->dim = w->dim, in->pair = (const int(*)[2])w->pairs, in->vertex_count = s->vertices,
+    in->dim = w->dim, in->pair = (const int(*)[2])w->pairs, in->vertex_count = vertices,
     in->vertex_node = w->vertex_node;
     in->vertex_state = w->state, in->is_yarn = w->is_yarn, in->is_hybrid = w->is_hybrid;
     in->triangle = (const int(*)[3])w->triangle, in->beta = (const double(*)[3])w->beta, in->order = w->order;
@@ -12401,12 +12447,18 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
     yci_system_scratch w;
     yci_system_input in;
     yc_result result = YC_ERROR_MEMORY;
-    size_t n = (size_t)s->nodes;
+    size_t n = (size_t)s->nodes, vertices = (size_t)s->vertices;
+    yci_net net;
+    int i;
     if (m->has_system) yci_system_destroy(&m->system);
     m->has_system = 0, m->pinned = 0;
     memset(&w, 0, sizeof w), memset(&in, 0, sizeof in);
-    w.dim = YCI_NEW(c, int, n), w.vertex_node = YCI_NEW(c, int, s->vertices),
-    w.state = YCI_NEW(c, unsigned char, s->vertices);
+    for (i = 0; i < s->cloth_count; i++) {
+        const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
+        if (y && !y->triangle) vertices += (size_t)yci_net_make(y, &net);
+    }
+    w.dim = YCI_NEW(c, int, n), w.vertex_node = YCI_NEW(c, int, vertices),
+    w.state = YCI_NEW(c, unsigned char, vertices);
     if (w.dim && w.vertex_node && w.state) {
         yci_build_unknowns(s, m, w.dim, &in.n);
         in.pair_count = yci_build_couplings(s, m, NULL);
