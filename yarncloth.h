@@ -379,9 +379,9 @@ typedef struct yc_weave_desc {
     yc_yarn_material warp, weft;
     /* along welded seams of a mesh; rod.density = 0: no rods. Default: the yarn's, twice as heavy */
     yc_yarn_material rod;
-    /* [YC_WARP], [YC_WEFT]: length of a yarn over the length of its cloth, less 1; [0, 0.5]; default 0, 0. Where one is
-     * above 0 yarns undulate (visit_height), density is that of the straightened yarn, and cloth stretches by
-     * straightening them first */
+    /* [YC_WARP], [YC_WEFT]: length of a yarn over the length of its cloth, less 1, the mean over the family's yarns and
+     * the draft's repeat; [0, 0.5]; default 0, 0. Where one is above 0 yarns undulate (visit_height, one for each
+     * family), density is that of the straightened yarn, and cloth stretches by straightening them first */
     double crimp[2];
     double grain;   /* rad, turns the yarns against the pattern's axes, counter-clockwise; default 0 */
     double size[2]; /* m, width and height of the cloth when no mesh is given; default 0.2, 0.2 */
@@ -405,7 +405,8 @@ YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char
 YC_API void yc_yarns_destroy(yc_yarns *yarns);
 
 /* The triangle material that stretches, shears, bends and weighs like the weave does when straight (no crimp): stretch
- * EA/spacing, shear 4 k_x/spacing summed over both families' halves, bending EI/spacing, density as laid. */
+ * EA/spacing, shear 4 k_x/spacing summed over both families' halves, bending EI/spacing, density as laid, with what the
+ * crimp takes up. */
 YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc);
 
 /* ---- scene ------------------------------------------------------------------------------------------------------ */
@@ -5900,6 +5901,12 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.m
  *     a tiny segment; the crossing becomes a lone node of the other yarn.
  * A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
  *
+ * Crimp. A yarn of family f passes height[f] over or under its crossings. Where it changes sides, over a spacing p of
+ * the other family, it runs from crest to trough, 2 height[f]; with Peirce's (1937) height = (4/3) p sqrt(crimp) for
+ * that, which is what a length of sqrt(p^2 + kappa (2 height)^2), kappa = 9/8, comes to when crimp is small, u follows.
+ * height[f] is such that the mean of all lengths of the repeat is 1 + crimp[f] spacings: what is asked for counts a
+ * float's straight segments in, and the interlacing ones have more.
+ *
  * Rods. Seam edges chain up between branching points; along each chain the yarn ends of both sides, in order, are
  * visited by a rod. Its u is the arc length along the seam, by the mean of both sides' pattern lengths. Ends closer
  * than 0.05 spacings (often: equal pieces have equal lattices) are first moved apart along the seam to that distance,
@@ -5914,6 +5921,7 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.m
 #define YCI_WEAVE_LIMIT 100000000 /* nodes of one network, lines of one piece */
 #define YCI_WEAVE_TAIL 0.3        /* spacings; a shorter tail is not kept */
 #define YCI_WEAVE_GAP 0.05        /* spacings, between neighbouring visits of a rod */
+#define YCI_CRIMP_KAPPA 1.125     /* Peirce's, see Crimp above; chapter yarn measures lengths with it */
 
 static int yci_finite(double x) { return x - x == 0.0; }
 
@@ -5947,7 +5955,8 @@ YC_API yc_weave_desc yc_weave_desc_default(void) {
 YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc) {
     yc_triangle_material m;
     double s0 = desc->spacing[0], s1 = desc->spacing[1];
-    m.density = desc->warp.density / s0 + desc->weft.density / s1;
+    m.density =
+        desc->warp.density * (1.0 + desc->crimp[YC_WARP]) / s0 + desc->weft.density * (1.0 + desc->crimp[YC_WEFT]) / s1;
     m.stretch[0] = desc->weft.stretch / s1, m.stretch[1] = desc->warp.stretch / s0;
     m.coupling = 0.0;
     /* A crossing pays 1/2 k L phi^2 for each of its four pairs of segments, L the mean spacing, on an area of s0 s1. */
@@ -6144,6 +6153,12 @@ static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *
             if (y->visit_layer[k] < -1 || y->visit_layer[k] > 1)
                 return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "yarns.visit_layer[%d] = %d must lie in -1 .. 1", k, y->visit_layer[k]);
+            if (y->visit_height && !(yci_finite(y->visit_height[k]) && y->visit_height[k] >= 0.0))
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_height[%d] = %g must be finite and not negative", k,
+                    y->visit_height[k]);
+            if (y->visit_height && !y->visit_layer[k] && y->visit_height[k] != 0.0)
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_height[%d] = %g must be 0: its layer is 0", k,
+                    y->visit_height[k]);
             if (++visits[node] > 2)
                 return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: a third visit of this node", k, node);
         }
@@ -6171,7 +6186,7 @@ static yc_result yci_yarns_check(yci_context *c, const yc_yarns *y, const yc_mes
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.material_count = %d must be at least 1", y->material_count);
     if (!y->layout || !y->yarn_first || !y->yarn_family || !y->yarn_material || !y->visit_node || !y->visit_u ||
         !y->visit_layer || !y->visit_held || !y->materials)
-        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights and owner may be NULL");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights, visit_height and owner may be NULL");
     if (mesh && (!y->triangle || !y->weights))
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.triangle and weights must not be NULL with a mesh");
     for (i = 0; i < y->material_count; i++) {
@@ -6201,6 +6216,8 @@ static yc_result yci_weave_check(yci_context *c, const yc_weave_desc *d, int wit
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.spacing[%d] = %g must be greater than 0", i, d->spacing[i]);
         if (d->repeat[i] < 1)
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.repeat[%d] = %d must be at least 1", i, d->repeat[i]);
+        if (!(d->crimp[i] >= 0.0 && d->crimp[i] <= 0.5))
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.crimp[%d] = %g must lie in [0, 0.5]", i, d->crimp[i]);
         if (!with_mesh && !yci_finite(d->size[i]))
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be finite", i, d->size[i]);
         if (!with_mesh && d->size[i] <= 0.0)
@@ -6254,7 +6271,8 @@ typedef struct {
     const unsigned char *draft;
     int repeat[2];
     double turn[2]; /* cosine and sine of the grain */
-    int *twin;      /* [3 triangle_count], half-edge across the edge of the mesh, -1 at its border */
+    double height[2];
+    int *twin; /* [3 triangle_count], half-edge across the edge of the mesh, -1 at its border */
     int piece_count;
     int *piece_first, *piece_triangle; /* [piece_count + 1], [triangle_count] */
     /* lattice of the piece at work */
@@ -6845,7 +6863,7 @@ static void *yci_weave_carve(char *block, size_t *used, int count, size_t size) 
 
 /* Points the arrays of a network, whose counts are set, into the block and returns its size. The context that frees it
  * stands in front. */
-static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh) {
+static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh, int crimped) {
     size_t used = 0;
     y->owner = yci_weave_carve(block, &used, 1, sizeof(yci_context));
     y->layout = (double(*)[3])yci_weave_carve(block, &used, y->node_count, sizeof *y->layout);
@@ -6854,6 +6872,7 @@ static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh) {
         y->triangle = (int *)yci_weave_carve(block, &used, y->node_count, sizeof *y->triangle);
     }
     y->visit_u = (double *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_u);
+    if (crimped) y->visit_height = (double *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_height);
     y->materials = (yc_yarn_material *)yci_weave_carve(block, &used, y->material_count, sizeof *y->materials);
     y->yarn_first = (int *)yci_weave_carve(block, &used, y->yarn_count + 1, sizeof *y->yarn_first);
     y->yarn_material = (int *)yci_weave_carve(block, &used, y->yarn_count, sizeof *y->yarn_material);
@@ -6881,6 +6900,11 @@ static void yci_weave_fill_nodes(const yci_weaver *w, yc_yarns *y, int *number) 
     }
 }
 
+/* The side of its node on which a visit passes at rest, m. */
+static double yci_weave_rise(const yc_yarns *y, int visit) {
+    return y->visit_height ? y->visit_height[visit] * y->visit_layer[visit] : 0.0;
+}
+
 static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *number) {
     int i, k, yarn = 0, visit = 0;
     for (i = 0; i < w->span_count; i++) {
@@ -6894,16 +6918,18 @@ static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *nu
                 k < before || k - before == span->count ? NULL : &w->visits[span->first + k - before];
             int old = at ? at->node : span->tip[k >= before], node = number[old];
             y->visit_node[visit] = node;
+            if (w->nodes[old].visits == 2)
+                y->visit_layer[visit] =
+                    (signed char)(span->family == YC_WARP ? w->nodes[old].over : -w->nodes[old].over);
+            if (y->visit_height && y->visit_layer[visit]) y->visit_height[visit] = w->height[span->family];
             if (k == 0) y->visit_u[visit] = 0.0;
             else if (at && span->family == YC_ROD) y->visit_u[visit] = at->along - w->visits[span->first].along;
             else {
                 double step[3];
                 yci_sub(step, y->layout[node], y->layout[y->visit_node[visit - 1]]);
+                step[2] = sqrt(YCI_CRIMP_KAPPA) * (yci_weave_rise(y, visit) - yci_weave_rise(y, visit - 1));
                 y->visit_u[visit] = y->visit_u[visit - 1] + yci_norm(step);
             }
-            if (w->nodes[old].visits == 2)
-                y->visit_layer[visit] =
-                    (signed char)(span->family == YC_WARP ? w->nodes[old].over : -w->nodes[old].over);
             y->visit_held[visit] = span->family == YC_ROD || w->nodes[old].visits == 1 || k == 0 || k == count - 1;
         }
         yarn++;
@@ -6914,7 +6940,7 @@ static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *nu
 static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
     yc_yarns y;
     char *block;
-    int *number, i;
+    int *number, i, crimped = w->desc->crimp[0] > 0.0 || w->desc->crimp[1] > 0.0;
     memset(&y, 0, sizeof y);
     for (i = 0; i < w->node_count; i++) y.node_count += w->nodes[i].visits > 0;
     for (i = 0; i < w->span_count; i++) {
@@ -6928,13 +6954,13 @@ static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
             w->desc->spacing[0], w->desc->spacing[1]);
     y.material_count = w->desc->rod.density > 0.0 ? 3 : 2;
     number = YCI_NEW(w->c, int, w->node_count);
-    block = (char *)yci_alloc(w->c, yci_weave_arrays(&y, NULL, on_mesh), 1);
+    block = (char *)yci_alloc(w->c, yci_weave_arrays(&y, NULL, on_mesh, crimped), 1);
     if (!number || !block) {
         yci_free(w->c, number);
         yci_free(w->c, block);
         return yci_out_of_memory(w->c, "a yarn network");
     }
-    yci_weave_arrays(&y, block, on_mesh);
+    yci_weave_arrays(&y, block, on_mesh, crimped);
     y.materials[0] = w->desc->warp, y.materials[1] = w->desc->weft;
     if (y.material_count == 3) y.materials[2] = w->desc->rod;
     yci_weave_fill_nodes(w, &y, number);
@@ -6942,6 +6968,21 @@ static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
     yci_free(w->c, number);
     *out = y;
     return YC_OK;
+}
+
+/* How far a family's yarns pass from their crossings: see Crimp at the chapter's head. */
+static double yci_weave_height(const yci_weaver *w, int family) {
+    const int *n = w->repeat;
+    int r, c, turns = 0;
+    double length;
+    for (r = 0; r < n[1]; r++)
+        for (c = 0; c < n[0]; c++) {
+            int next = family == YC_WARP ? (r + 1) % n[1] * n[0] + c : r * n[0] + (c + 1) % n[0];
+            turns += !w->draft[r * n[0] + c] != !w->draft[next];
+        }
+    if (!turns) return 0.0;
+    length = 1.0 + w->desc->crimp[family] * n[0] * n[1] / turns; /* where the yarn changes sides, in spacings */
+    return 0.5 * w->desc->spacing[!family] * sqrt((length * length - 1.0) / YCI_CRIMP_KAPPA);
 }
 
 static yc_result yci_weave_lay(yci_weaver *w, int on_mesh, yc_yarns *out) {
@@ -6990,6 +7031,7 @@ static yc_result yci_weave_run(yci_context *c, const yc_weave_desc *desc, const 
     w.draft = desc->draft ? desc->draft : plain;
     w.repeat[0] = desc->draft ? desc->repeat[0] : 2, w.repeat[1] = desc->draft ? desc->repeat[1] : 2;
     w.turn[0] = cos(desc->grain), w.turn[1] = sin(desc->grain);
+    for (k = 0; k < 2; k++) w.height[k] = yci_weave_height(&w, k);
     return yci_weave_lay(&w, mesh != NULL, out);
 }
 
@@ -7036,6 +7078,17 @@ YC_API void yc_yarns_destroy(yc_yarns *yarns) {
  *                vanishes between two steps. It acts far below any touching distance. Projected is exact.
  *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where
  *                it slips, the parabola that touches from above: with the exact zero Newton would overshoot forever.
+ *   turning      the friction law of phi in place of u, k in N m, limit = mu lambda (2/3) rho in N m: the moment of a
+ *                pressure lambda spread evenly over a disc of radius rho. Projected as friction and shear are.
+ *
+ * Crimp. A yarn that undulates passes its nodes at heights y, and u is its true length. Between two of them its length
+ * is taken as l = sqrt(|x_j - x_i|^2 + kappa (y_b - y_a)^2), kappa = 9/8 (Peirce 1937: crest to trough is (4/3) p
+ * sqrt(c), p the spacing and c the crimp, so that l = p (1 + c)): a distance in four dimensions, by which
+ *   stretch      is as above, its energy and its projection.
+ *   kink         k (t - t_0)^2 / (du_- + du_+), t = (y_b - y_a)/du_- - (y_c - y_b)/du_+ the difference of the slopes.
+ *                Projected drops the second derivatives of t, by y and u; it is exact where t = t_0.
+ * A beam over its crossings has the moment M_b of the three-moment equation M_a + 4 M_b + M_c = 6 EI t_b/du there, so k
+ * = f EI with f = M_b du/(EI t_b): 3 where kinks alternate, 3/2 where one stands alone, 1 in a long wave.
  *
  * The energies of an angle f(phi) share one Hessian. With unit edges a, b of lengths l1, l2, in-plane normals n1 (of a,
  * towards b) and n2 (of b, towards a) and the binormal m, grad phi = (-n1/l1, -n2/l2) and
@@ -7097,6 +7150,100 @@ YC_FN double yci_yarn_stretch(const double *q, double k, double r, double s_prev
         }
     }
     return du * density;
+}
+
+/* -- stretch with crimp: q = (x_i, x_j, u_a, u_b, y_a, y_b) -------------------------------------------------------- */
+
+/* The unit vector in four dimensions from one visit to the next; returns their distance. */
+YC_FN double yci_yarn_crimp_direction(double *t, const double *q) {
+    double l;
+    yci_sub(t, q + 3, q);
+    t[3] = sqrt(YCI_CRIMP_KAPPA) * (q[9] - q[8]);
+    l = sqrt(yci_dot(t, t) + t[3] * t[3]);
+    for (int i = 0; i < 4; i++) t[i] = l > 1e-150 ? t[i] / l : i == 0;
+    return l;
+}
+
+YC_FN double yci_yarn_crimp_strain(const double *q) {
+    double t[4];
+    return yci_yarn_crimp_direction(t, q) / (q[7] - q[6]) - 1.0;
+}
+
+YC_FN double yci_yarn_crimp(const double *q, double k, double r, double s_prev, double *g, double *h, int projected) {
+    double t[4], v[10], du = q[7] - q[6], l = yci_yarn_crimp_direction(t, q);
+    double s = l / du - 1.0, rate = s - s_prev, density = 0.5 * k * (s * s + r * rate * rate), slope;
+    slope = k * (s + r * rate);
+    yci_scale(v, t, -1.0), yci_copy(v + 3, t); /* the gradient of l; of u further down */
+    v[6] = v[7] = 0.0;
+    v[9] = sqrt(YCI_CRIMP_KAPPA) * t[3], v[8] = -v[9];
+    if (g) {
+        for (int i = 0; i < 10; i++) g[i] = slope * v[i];
+        g[7] = density - (s + 1.0) * slope, g[6] = -g[7];
+    }
+    if (h) {
+        double along = k * (1.0 + r) / du, across = slope / yci_max(l, YCI_YARN_SHORTEST);
+        if (projected) across = yci_max(across, 0.0);
+        for (int i = 0; i < 10; i++) {
+            for (int j = 0; j < 10; j++) h[10 * i + j] = (along - across) * v[i] * v[j];
+        }
+        for (int i = 0; i < 3; i++) {
+            h[11 * i] += across, h[11 * (i + 3)] += across;
+            h[10 * i + i + 3] -= across, h[10 * (i + 3) + i] -= across;
+        }
+        h[88] += across * YCI_CRIMP_KAPPA, h[99] += across * YCI_CRIMP_KAPPA;
+        h[89] -= across * YCI_CRIMP_KAPPA, h[98] -= across * YCI_CRIMP_KAPPA;
+        for (int i = 0; i < 10; i++) {
+            double c = along * (s + 1.0) * v[i];
+            h[10 * i + 6] += c, h[60 + i] += c;
+            h[10 * i + 7] -= c, h[70 + i] -= c;
+        }
+        slope = along * (s + 1.0) * (s + 1.0);
+        h[66] += slope, h[77] += slope, h[67] -= slope, h[76] -= slope;
+    }
+    return du * density;
+}
+
+/* -- kink of a crimped yarn: q = (y_a, y_b, y_c, u_a, u_b, u_c) ----------------------------------------------------- */
+
+YC_FN double yci_yarn_kink_strain(const double *q) {
+    return (q[1] - q[0]) / (q[4] - q[3]) - (q[2] - q[1]) / (q[5] - q[4]);
+}
+
+YC_FN double yci_yarn_kink(
+    const double *q, double k, double t_0, double r, double t_prev, double *g, double *h, int projected) {
+    double a = 1.0 / (q[4] - q[3]), b = 1.0 / (q[5] - q[4]), du = q[5] - q[3];
+    double before = (q[1] - q[0]) * a, after = (q[2] - q[1]) * b, t = before - after; /* slopes */
+    double s = t - t_0, rate = t - t_prev, f = k * (s * s + r * rate * rate), df = 2.0 * k * (s + r * rate);
+    double v[6]; /* the gradient of t */
+    v[0] = -a, v[1] = a + b, v[2] = -b;
+    v[3] = before * a, v[5] = after * b, v[4] = -v[3] - v[5];
+    if (g) {
+        for (int i = 0; i < 6; i++) g[i] = df / du * v[i];
+        g[3] += f / (du * du), g[5] -= f / (du * du);
+    }
+    if (h) {
+        double cross = df / (du * du), end = 2.0 * f / (du * du * du);
+        for (int i = 0; i < 6; i++) {
+            for (int j = 0; j < 6; j++) h[6 * i + j] = 2.0 * k * (1.0 + r) / du * v[i] * v[j];
+        }
+        for (int i = 0; i < 6; i++) {
+            h[6 * i + 3] += cross * v[i], h[18 + i] += cross * v[i];
+            h[6 * i + 5] -= cross * v[i], h[30 + i] -= cross * v[i];
+        }
+        h[21] += end, h[35] += end, h[23] -= end, h[33] -= end;
+        for (int side = 0; side < 2 && !projected; side++) { /* the slope (y - y')/(u - u') on either side */
+            double inverse = side ? b : a, c = (side ? -df : df) / du, slope = side ? after : before;
+            for (int i = 0; i < 2; i++) {
+                for (int j = 0; j < 2; j++) {
+                    double sign = i == j ? 1.0 : -1.0;
+                    int y = side + i, u = side + j + 3;
+                    h[6 * y + u] -= sign * c * inverse * inverse, h[6 * u + y] -= sign * c * inverse * inverse;
+                    h[6 * (side + i + 3) + u] += sign * 2.0 * c * slope * inverse * inverse;
+                }
+            }
+        }
+    }
+    return f / du;
 }
 
 /* -- gravity: q = (x_i, x_j, u_a, u_b), rho in kg/m ---------------------------------------------------------------- */
@@ -7303,6 +7450,19 @@ YC_FN double yci_yarn_friction(double u, double anchor, double k, double limit, 
 YC_FN double yci_yarn_friction_anchor(double u, double anchor, double k, double limit) {
     if (k * fabs(u - anchor) <= limit) return anchor;
     return u < anchor ? u + limit / k : u - limit / k;
+}
+
+/* -- friction of turning: q = (x_i, x_j, x_k) as for shear, the anchor an angle from phi_0 -------------------------- */
+
+YC_FN double yci_yarn_turn(
+    const double *q, double phi_0, double anchor, double k, double limit, double *g, double *h, int projected) {
+    double c1[3] = {-1.0, 1.0, 0.0}, c2[3] = {-1.0, 0.0, 1.0}, e1[3], e2[3], f, df, ddf;
+    yci_yarn_angle angle;
+    yci_sub(e1, q + 3, q), yci_sub(e2, q + 6, q);
+    yci_yarn_angle_make(&angle, e1, e2);
+    f = yci_yarn_friction(angle.phi - phi_0, anchor, k, limit, &df, &ddf, projected);
+    if (g || h) yci_yarn_angle_derivatives(&angle, c1, c2, df, ddf, g, h, 9, projected);
+    return f;
 }
 
 /* -- compression --------------------------------------------------------------------------------------------------- */

@@ -144,6 +144,15 @@ static double elements_bend(const double *p, const double *q, double *g, double 
 static double elements_shear(const double *p, const double *q, double *g, double *h, int projected) {
     return yci_yarn_shear(q, p[0], p[1], p[2], p[3], p[4], p[5], p[6], g, h, projected);
 }
+static double elements_crimp(const double *p, const double *q, double *g, double *h, int projected) {
+    return yci_yarn_crimp(q, p[0], p[1], p[2], g, h, projected);
+}
+static double elements_kink(const double *p, const double *q, double *g, double *h, int projected) {
+    return yci_yarn_kink(q, p[0], p[1], p[2], p[3], g, h, projected);
+}
+static double elements_turn(const double *p, const double *q, double *g, double *h, int projected) {
+    return yci_yarn_turn(q, p[0], p[1], p[2], p[3], g, h, projected);
+}
 static double elements_contact(const double *p, const double *q, double *g, double *h, int projected) {
     (void)projected;
     return yci_yarn_contact(q, p[0], p[1], g, h);
@@ -308,6 +317,98 @@ TEST(yarn_shear) {
         CHECK(elements_finite(g, 9) && elements_finite(h, 81));
         elements_shear(p, q, g, h, 1);
         CHECK(elements_semidefinite(h, 9));
+    }
+}
+
+/* A crimped segment: its points and heights, at a ratio of its length to du. */
+static void elements_undulating(double *q, double size, double rise, double ratio) {
+    yci_zero(q, 10);
+    q[3] = size;
+    elements_move(q, 2, size);
+    q[6] = elements_random(-1.0, 1.0) * size, q[7] = q[6] + size * sqrt(1.0 + 1.125 * rise * rise) / ratio;
+    q[8] = elements_random(-0.5, 0.5) * size, q[9] = q[8] + rise * size;
+}
+
+TEST(yarn_crimp) {
+    static const double ratio[6] = {1e-3, 0.3, 0.999, 1.0, 1.001, 2.5}, rise[5] = {0.0, 1e-6, 0.3, -0.8, 40.0};
+    elements_state = 1;
+    for (int trial = 0; trial < 60; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, lambda = ratio[trial % 6], q[10], p[3], h[100], exact[100], g[10];
+        double flat[64], slope[8];
+        p[0] = 10.0, p[1] = trial % 4 ? 0.0 : 0.7, p[2] = 0.2;
+        elements_undulating(q, size, rise[trial % 5], lambda);
+        CHECK(elements_differences(elements_crimp, p, 10, q, size, 1e-3 * size, 1e-9));
+        CHECK(elements_invariant(elements_crimp, p, 10, 2, q, size));
+        CHECK(fabs(yci_yarn_crimp_strain(q) - (lambda - 1.0)) < 1e-12 * lambda);
+        elements_crimp(p, q, g, h, 1), elements_crimp(p, q, NULL, exact, 0);
+        CHECK(elements_semidefinite(h, 10));
+        CHECK(fabs(g[8] + g[9]) <= 1e-15 * fabs(g[9])); /* heights count from anywhere */
+        if (lambda > 1.1 || (lambda >= 1.001 && p[1] == 0.0)) CHECK(elements_distance(h, exact, 100) == 0.0);
+        for (int i = 0; i < 20; i++) { /* what projected drops is negative */
+            double x[10], dropped = 0.0;
+            elements_scatter(x, 10, 1.0);
+            for (int j = 0; j < 100; j++) dropped += x[j / 10] * (h[j] - exact[j]) * x[j % 10];
+            CHECK(dropped >= -1e-13 * elements_largest(h, 100));
+        }
+        if (rise[trial % 5] != 0.0) continue;
+        yci_yarn_stretch(q, p[0], p[1], p[2], slope, flat, 1); /* without a rise it is the flat segment */
+        CHECK(elements_distance(g, slope, 8) <= 1e-14 * elements_largest(slope, 8) && g[8] == 0.0);
+        for (int i = 0; i < 8; i++)
+            CHECK(elements_distance(h + 10 * i, flat + 8 * i, 8) <= 1e-14 * elements_largest(flat, 64));
+    }
+    for (int trial = 0; trial < 4; trial++) { /* coincident, or one above the other */
+        double q[10] = {0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.0, 1.0, 0.1, 0.1}, p[3] = {10.0, 0.5, 0.1}, g[10], h[100];
+        q[9] += trial == 0 ? 0.0 : trial == 1 ? 1e-300 : trial == 2 ? 1e-12 : 0.7;
+        elements_crimp(p, q, g, h, 0);
+        CHECK(elements_finite(g, 10) && elements_finite(h, 100));
+        elements_crimp(p, q, g, h, 1);
+        CHECK(elements_semidefinite(h, 10) && elements_largest(h, 100) < 50.0);
+    }
+}
+
+TEST(yarn_kink) {
+    elements_state = 1;
+    for (int trial = 0; trial < 40; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, q[6], p[4], g[6], h[36], exact[36], moved[6], e, sum = 0.0, turn = 0.0;
+        p[0] = 2.0 * size, p[1] = elements_random(-1.0, 1.0), p[2] = trial % 4 ? 0.0 : 0.6, p[3] = 0.3;
+        for (int i = 0; i < 3; i++) q[i] = size * elements_random(-2.0, 2.0);
+        q[3] = size * elements_random(-1.0, 1.0), q[4] = q[3] + size * elements_random(0.5, 1.5),
+        q[5] = q[4] + size * elements_random(0.5, 1.5);
+        CHECK(elements_differences(elements_kink, p, 6, q, size, 1e-3 * size, 1e-9));
+        e = elements_kink(p, q, g, h, 1);
+        CHECK(elements_semidefinite(h, 6));
+        /* A yarn that lies higher, or slopes, as a whole is not bent: no net force, no torque. */
+        for (int i = 0; i < 3; i++) {
+            moved[i] = q[i] + size * (0.7 - 0.4 * (q[3 + i] - q[3]) / size), moved[3 + i] = q[3 + i];
+            sum += g[i], turn += g[i] * (q[3 + i] - q[3]);
+        }
+        CHECK(fabs(elements_kink(p, moved, NULL, NULL, 0) - e) <= 1e-12 * e);
+        CHECK(fabs(sum) + fabs(turn) / size <= 1e-12 * elements_largest(g, 3));
+        p[1] = yci_yarn_kink_strain(q), p[2] = 0.0; /* at rest projected is exact */
+        e = elements_kink(p, q, g, h, 1), elements_kink(p, q, NULL, exact, 0);
+        CHECK(e < 1e-28 * p[0] / size && elements_largest(g, 6) < 1e-13 * elements_largest(exact, 36) * size);
+        CHECK(elements_distance(h, exact, 36) <= 1e-13 * elements_largest(exact, 36));
+    }
+}
+
+TEST(yarn_turn) {
+    static const double angle[4] = {0.3, 1.45, 1.6, 2.8};
+    elements_state = 1;
+    for (int trial = 0; trial < 48; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, phi = angle[trial / 2 % 4], q[9], p[4], h[81], g[9], other[9], d = 0.0;
+        int slips = trial % 3 == 0;
+        /* A spring from phi - 0.1 that slips beyond 0.05, or 0.2, either way. */
+        p[0] = 1.5, p[2] = 3.0 * size, p[3] = p[2] * (slips ? 0.05 : 0.2), p[1] = phi - p[0] + (trial % 4 ? 0.1 : -0.1);
+        elements_corner(q, 1, size, size * elements_random(0.5, 1.5), phi);
+        CHECK(elements_differences(elements_turn, p, 9, q, size, 1e-3 * size, 1e-9));
+        CHECK(elements_invariant(elements_turn, p, 9, 3, q, size));
+        elements_turn(p, q, g, h, 1);
+        CHECK(elements_semidefinite(h, 9));
+        /* The moment about the crossing is the limit, or k times the angle from the anchor: that of a shear element. */
+        yci_yarn_shear(q, 1.0, 1.0, phi - 1.0, 9.0, 0.0, 0.0, 0.0, other, NULL, 0);
+        d = (trial % 4 ? -1.0 : 1.0) * (slips ? p[3] : 0.1 * p[2]);
+        for (int i = 0; i < 9; i++) other[i] *= d;
+        CHECK(elements_distance(g, other, 9) <= 1e-12 * elements_largest(g, 9));
     }
 }
 
@@ -649,6 +750,10 @@ TEST(elements_rigid_undamped) {
         s = yci_yarn_stretch_strain(q), elements_move(q, 2, 1.0);
         yci_yarn_stretch(q, 10.0, 100.0, s, with, NULL, 0), yci_yarn_stretch(q, 10.0, 0.0, 0.0, without, NULL, 0);
         CHECK(elements_distance(with, without, 8) < 1e-11 * elements_largest(without, 8));
+        elements_undulating(q, 1.0, 0.4, 0.9);
+        s = yci_yarn_crimp_strain(q), elements_move(q, 2, 1.0);
+        yci_yarn_crimp(q, 10.0, 100.0, s, with, NULL, 0), yci_yarn_crimp(q, 10.0, 0.0, 0.0, without, NULL, 0);
+        CHECK(elements_distance(with, without, 10) < 1e-11 * elements_largest(without, 10));
         elements_scatter(q, 9, 1.0), q[9] = 0.0, q[10] = 2.0;
         s = yci_yarn_bend_strain(q), elements_move(q, 3, 1.0);
         yci_yarn_bend(q, 10.0, 0.0, 0.1, 100.0, s, with, NULL, 0);
