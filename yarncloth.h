@@ -6901,7 +6901,7 @@ static void yci_weave_fill_nodes(const yci_weaver *w, yc_yarns *y, int *number) 
 }
 
 /* The side of its node on which a visit passes at rest, m. */
-static double yci_weave_rise(const yc_yarns *y, int visit) {
+static double yci_visit_rise(const yc_yarns *y, int visit) {
     return y->visit_height ? y->visit_height[visit] * y->visit_layer[visit] : 0.0;
 }
 
@@ -6927,7 +6927,7 @@ static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *nu
             else {
                 double step[3];
                 yci_sub(step, y->layout[node], y->layout[y->visit_node[visit - 1]]);
-                step[2] = sqrt(YCI_CRIMP_KAPPA) * (yci_weave_rise(y, visit) - yci_weave_rise(y, visit - 1));
+                step[2] = sqrt(YCI_CRIMP_KAPPA) * (yci_visit_rise(y, visit) - yci_visit_rise(y, visit - 1));
                 y->visit_u[visit] = y->visit_u[visit - 1] + yci_norm(step);
             }
             y->visit_held[visit] = span->family == YC_ROD || w->nodes[old].visits == 1 || k == 0 || k == count - 1;
@@ -7086,7 +7086,7 @@ YC_API void yc_yarns_destroy(yc_yarns *yarns) {
  * sqrt(c), p the spacing and c the crimp, so that l = p (1 + c)): a distance in four dimensions, by which
  *   stretch      is as above, its energy and its projection.
  *   kink         k (t - t_0)^2 / (du_- + du_+), t = (y_b - y_a)/du_- - (y_c - y_b)/du_+ the difference of the slopes.
- *                Projected drops the second derivatives of t, by y and u; it is exact where t = t_0.
+ *                Projected keeps the positive part of f' hess t, side by side; it is exact where t = t_0.
  * A beam over its crossings has the moment M_b of the three-moment equation M_a + 4 M_b + M_c = 6 EI t_b/du there, so k
  * = f EI with f = M_b du/(EI t_b): 3 where kinks alternate, 3/2 where one stands alone, 1 in a long wave.
  *
@@ -7231,15 +7231,19 @@ YC_FN double yci_yarn_kink(
             h[6 * i + 5] -= cross * v[i], h[30 + i] -= cross * v[i];
         }
         h[21] += end, h[35] += end, h[23] -= end, h[33] -= end;
-        for (int side = 0; side < 2 && !projected; side++) { /* the slope (y - y')/(u - u') on either side */
-            double inverse = side ? b : a, c = (side ? -df : df) / du, slope = side ? after : before;
-            for (int i = 0; i < 2; i++) {
-                for (int j = 0; j < 2; j++) {
-                    double sign = i == j ? 1.0 : -1.0;
-                    int y = side + i, u = side + j + 3;
-                    h[6 * y + u] -= sign * c * inverse * inverse, h[6 * u + y] -= sign * c * inverse * inverse;
-                    h[6 * (side + i + 3) + u] += sign * 2.0 * c * slope * inverse * inverse;
-                }
+        /* f' hess t: that of a slope dy/du is [0, -1; -1, 2 slope]/du^2, its positive part in closed form. */
+        for (int side = 0; side < 2; side++) {
+            double inverse = side ? b : a, slope = side ? after : before, sign = side == (df > 0.0) ? -1.0 : 1.0;
+            double c = fabs(df) / du * inverse * inverse, m11 = 0.0, m12 = -sign * c, m22 = 2.0 * sign * slope * c;
+            if (projected) {
+                double root = sign * slope + sqrt(slope * slope + 1.0);
+                m11 = c * root / (1.0 + root * root), m12 = -sign * root * m11, m22 = root * root * m11;
+            }
+            for (int i = 0; i < 4; i++) {
+                int row = side + i / 2, column = side + i % 2;
+                double same = i % 3 ? -1.0 : 1.0;
+                h[6 * row + column] += same * m11, h[6 * (row + 3) + column + 3] += same * m22;
+                h[6 * row + column + 3] += same * m12, h[6 * (row + 3) + column] += same * m12;
             }
         }
     }
@@ -10019,6 +10023,19 @@ static yc_result yci_system_factor(yci_system *s) {
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
  * layout's for any alpha.
+ *
+ * Crimp. Where visit_height is given, every crossing of full nodes has one more unknown, z: both its yarns touch, so
+ * they move along the contact's normal together, to heights y = layer height + z. Pulling a yarn flattens it and
+ * presses the crossing ones into waves: crimp interchange. z is a scalar, so that rigid motion leaves it alone, and has
+ * the inertia (1/2) m z'^2 of its node, the part of both yarns' kinetic energy that is transverse (the product with
+ * x', which alternates along a yarn, is left out). Lone visits and rods lie at height 0; z is held at hybrid and at
+ * pinned nodes.
+ *
+ * Pressure lambda of a crossing's yarns on each other, >= 0, lagged: preload, and what the state adds. With crimp that
+ * is half of what the elements of the upper yarn push it down with and those of the lower one up, -dV/dy of each alone
+ * (both are equal where z is free and at rest); without, it is as in chapter yarn (YARN 4.3). It bounds the friction of
+ * sliding (YARN 4.4), mu lambda, and that of turning: each of the four pairs of neighbouring segments has a quarter of
+ * a spring k_f rho^2 and of its limit mu lambda (2/3) rho, rho the mean radius.
  * ===================================================================================================================== */
 
 /* ---- what is held ---- */
@@ -10028,6 +10045,7 @@ typedef struct yci_cloth {
     yc_yarns yarns;     /* likewise */
     void *memory;
     int vertex, node, visit, triangle; /* first of each in the scene */
+    int height, turn; /* first of its nodes among those with z, with anchors of turning; -1: it has none */
 } yci_cloth;
 
 typedef struct yci_seam {
@@ -10049,19 +10067,28 @@ typedef struct yci_bend {
     int a, b, c;
     double stiffness, previous;
 } yci_bend;
+typedef struct yci_kink {
+    int a, b, c;
+    double stiffness, rest, previous;
+} yci_kink;
+/* Friction of turning: a spring of `turn` N m about its anchor, that holds reach times the rub's limit. */
 typedef struct yci_shear {
-    int node[3];
-    double stiffness, length, rest, limit, previous;
+    int node[3], anchor, rub; /* -1: none */
+    double stiffness, length, rest, limit, previous, turn, reach;
 } yci_shear;
 typedef struct yci_adjacent {
     int a, b;
     double stiffness, distance, hardness, floor;
 } yci_adjacent;
-/* mate and yarn are numbers of the cloth's network, the sliding yarn's first. */
 typedef struct yci_slide {
-    int visit, cloth, mate[2], yarn[2];
-    double stiffness, friction, limit;
+    int visit, rub; /* -1: none */
+    double stiffness;
 } yci_slide;
+/* A crossing with friction, by numbers of its cloth's network; limit = mu lambda. */
+typedef struct yci_rub {
+    int cloth, visit[2], yarn[2];
+    double friction, preload, limit;
+} yci_rub;
 typedef struct yci_face {
     int node[3];
     yci_membrane rest;
@@ -10094,6 +10121,7 @@ enum {
     YCI_SEGMENT,
     YCI_GRAVITY,
     YCI_BEND,
+    YCI_KINK,
     YCI_SHEAR,
     YCI_ADJACENT,
     YCI_SLIDE,
@@ -10127,15 +10155,23 @@ typedef struct yci_model {
     int *system_node;    /* [nodes], node of the linear system; -1: none; -2 - k: pinned, number k */
     int *node_of;        /* [system nodes] */
     int *visit_slot;     /* [visits], the component of u in its node's block; -1: held */
-    double *mass;        /* [nodes], kg, of translation */
-    double *mass_fixed;  /* [nodes], the part of it that no sliding changes */
-    double *reaction;    /* [3 pinned], N; behind the vectors from dof */
+    /* Crimp; NULL where the scene has none. */
+    int *height_of;     /* [visits], number of the node's z; -1: none */
+    int *height_slot;   /* [heights], the component of z in its node's block; -1: held */
+    int *height_node;   /* [heights] */
+    double *lift;       /* [visits], m, y at rest */
+    double *thrust;     /* [visits], N, dV/dy of the yarn alone; lagged */
+    double *mass;       /* [nodes], kg, of translation */
+    double *mass_fixed; /* [nodes], the part of it that no sliding changes */
+    double *reaction;   /* [3 pinned], N; behind the vectors from dof */
     int pinned;
     YCI_ARRAY(yci_segment, segment);
     YCI_ARRAY(yci_bend, bend);
+    YCI_ARRAY(yci_kink, kink);
     YCI_ARRAY(yci_shear, shear);
     YCI_ARRAY(yci_adjacent, adjacent);
     YCI_ARRAY(yci_slide, slide);
+    YCI_ARRAY(yci_rub, rub);
     YCI_ARRAY(yci_face, face);
     YCI_ARRAY(yci_hinge, hinge);
     YCI_ARRAY(yci_stitch, stitch);
@@ -10170,20 +10206,23 @@ struct yc_scene {
     YCI_ARRAY(yci_body_sdf, body);
     /* topology of all cloths together */
     int vertices, nodes, visits, triangles; /* nodes: vertices and, behind them, yarn nodes */
+    int heights, turns;                     /* yarn nodes of the cloths with crimp; of those with friction */
     int *triangle;                          /* [3 triangles], scene vertices, welded */
     int *weld;                              /* [vertices], the lowest vertex welded with it */
     int *visit_node;                        /* [visits] */
     /* state */
     double *x, *velocity;       /* [3 nodes] */
     double *u, *slide, *anchor; /* [visits]: u, its velocity, its friction anchor */
+    double *z, *rise;           /* [heights]: z, its velocity */
+    double *turn;               /* [4 turns], rad: friction anchors of a crossing's pairs, from their rest angles */
     unsigned char *pin;         /* [nodes] */
     double *goal;               /* [3 nodes], where a pin draws its node over the next step */
     unsigned char *welded;      /* [seams] */
     yci_pose *pose;             /* [2 bodies]: where each is, where the next step takes it */
     double time, dt;            /* s; the sub-step that control has settled on */
     /* scratch of the state's size */
-    double *x_n, *u_n; /* before the sub-step */
-    yci_model *model;  /* NULL: to be built */
+    double *x_n, *u_n, *z_n; /* before the sub-step */
+    yci_model *model;        /* NULL: to be built */
 };
 
 /* ---- descriptors ---- */
@@ -10292,8 +10331,10 @@ static void yci_model_destroy(yc_scene *s) {
     yci_free(c, m->role), yci_free(c, m->share), yci_free(c, m->held), yci_free(c, m->holder),
         yci_free(c, m->system_node), yci_free(c, m->node_of);
     yci_free(c, m->visit_slot), yci_free(c, m->mass), yci_free(c, m->mass_fixed);
-    yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->shear), yci_free(c, m->adjacent),
-        yci_free(c, m->slide);
+    yci_free(c, m->height_of), yci_free(c, m->height_slot), yci_free(c, m->height_node), yci_free(c, m->lift),
+        yci_free(c, m->thrust);
+    yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear),
+        yci_free(c, m->adjacent), yci_free(c, m->slide), yci_free(c, m->rub);
     yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
     yci_free(c, m->grip), yci_free(c, m->edge), yci_free(c, m->ball), yci_free(c, m->face_node),
         yci_pairs_free(c, &m->pairs);
@@ -10325,7 +10366,8 @@ YC_API void yc_scene_destroy(yc_scene *s) {
     yci_free(&s->c, s->triangle), yci_free(&s->c, s->weld), yci_free(&s->c, s->visit_node);
     yci_free(&s->c, s->x), yci_free(&s->c, s->velocity), yci_free(&s->c, s->u), yci_free(&s->c, s->slide);
     yci_free(&s->c, s->anchor), yci_free(&s->c, s->pin), yci_free(&s->c, s->goal), yci_free(&s->c, s->welded);
-    yci_free(&s->c, s->pose), yci_free(&s->c, s->x_n), yci_free(&s->c, s->u_n);
+    yci_free(&s->c, s->pose), yci_free(&s->c, s->x_n), yci_free(&s->c, s->u_n), yci_free(&s->c, s->z_n);
+    yci_free(&s->c, s->z), yci_free(&s->c, s->rise), yci_free(&s->c, s->turn);
     c = s->c;
     yci_free(&c, s);
 }
@@ -10445,6 +10487,7 @@ static size_t yci_cloth_pack(yci_cloth *out, const yc_cloth_desc *d, char *block
         out->yarns.yarn_material = (int *)yci_pack(block, &at, y->yarn_material, yarns, sizeof(int));
         out->yarns.visit_node = (int *)yci_pack(block, &at, y->visit_node, visits, sizeof(int));
         out->yarns.visit_u = (double *)yci_pack(block, &at, y->visit_u, visits, sizeof(double));
+        out->yarns.visit_height = (double *)yci_pack(block, &at, y->visit_height, visits, sizeof(double));
         out->yarns.visit_layer = (signed char *)yci_pack(block, &at, y->visit_layer, visits, 1);
         out->yarns.visit_held = (unsigned char *)yci_pack(block, &at, y->visit_held, visits, 1);
         out->yarns.materials =
@@ -10495,11 +10538,18 @@ static void yci_scene_shift_nodes(yc_scene *s, int shift) {
     for (i = 0; i < s->cloth_count; i++) s->cloth[i].node += shift;
 }
 
+static int yci_yarns_rub(const yc_yarns *y) {
+    int i;
+    for (i = 0; i < y->material_count; i++)
+        if (y->materials[i].friction > 0.0) return 1;
+    return 0;
+}
+
 YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int *handle) {
     yci_context *c = &s->c;
     yci_cloth cloth;
-    yci_grow grow[13];
-    int vertices, nodes = 0, visits = 0, n = 0;
+    yci_grow grow[17];
+    int vertices, nodes = 0, visits = 0, heights = 0, turns = 0, n = 0;
     yc_result result = yci_cloth_check(c, desc);
     if (result != YC_OK) return result;
     memset(&cloth, 0, sizeof cloth);
@@ -10507,7 +10557,10 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
     if (!cloth.memory) return yci_out_of_memory(c, "the cloth");
     yci_cloth_pack(&cloth, desc, (char *)cloth.memory);
     vertices = desc->mesh.vertex_count;
-    if (desc->yarns) nodes = desc->yarns->node_count, visits = desc->yarns->visit_count;
+    if (desc->yarns) {
+        nodes = desc->yarns->node_count, visits = desc->yarns->visit_count;
+        heights = desc->yarns->visit_height ? nodes : 0, turns = yci_yarns_rub(desc->yarns) ? nodes : 0;
+    }
     grow[n++] = yci_grow_item(&s->cloth, s->cloth_count, 1, 1, sizeof *s->cloth);
     grow[n++] = yci_grow_item(&s->triangle, s->triangles, desc->mesh.triangle_count, 3, sizeof(int));
     grow[n++] = yci_grow_item(&s->weld, s->vertices, vertices, 1, sizeof(int));
@@ -10519,6 +10572,10 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
     grow[n++] = yci_grow_item(&s->u, s->visits, visits, 1, sizeof(double));
     grow[n++] = yci_grow_item(&s->slide, s->visits, visits, 1, sizeof(double));
     grow[n++] = yci_grow_item(&s->anchor, s->visits, visits, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->z, s->heights, heights, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->z_n, s->heights, heights, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->rise, s->heights, heights, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->turn, s->turns, turns, 4, sizeof(double));
     grow[n++] = yci_grow_item(&s->pin, s->nodes, vertices + nodes, 1, 1);
     grow[n++] = yci_grow_item(&s->goal, s->nodes, vertices + nodes, 3, sizeof(double));
     if (!yci_grow_acquire(c, grow, n)) {
@@ -10528,9 +10585,9 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
     yci_grow_commit(c, grow, n);
     yci_scene_shift_nodes(s, vertices);
     cloth.vertex = s->vertices, cloth.node = s->nodes + vertices, cloth.visit = s->visits,
-    cloth.triangle = s->triangles;
-    s->vertices += vertices, s->nodes += vertices + nodes, s->visits += visits,
-        s->triangles += desc->mesh.triangle_count;
+    cloth.triangle = s->triangles, cloth.height = heights ? s->heights : -1, cloth.turn = turns ? s->turns : -1;
+    s->heights += heights, s->turns += turns, s->vertices += vertices, s->nodes += vertices + nodes,
+        s->visits += visits, s->triangles += desc->mesh.triangle_count;
     s->cloth[s->cloth_count] = cloth;
     yci_cloth_start(s, s->cloth + s->cloth_count, desc);
     if (handle) *handle = s->cloth_count;
@@ -10888,8 +10945,32 @@ static int yci_build_segment(const yci_build *b, int yarn, int a) {
 
 /* The two visits of a crossing: of the other yarn at a node, and both yarns' numbers. Filled once per cloth. */
 typedef struct yci_crossing {
-    int visit[2], yarn[2], count;
+    int visit[2], yarn[2], count, rub;
 } yci_crossing;
+
+/* The kink of a yarn at rest. */
+static double yci_build_rest_kink(const yci_build *b, int yarn, int visit) {
+    const yc_yarns *y = b->yarns;
+    double q[6];
+    int k;
+    if (visit <= y->yarn_first[yarn] || visit >= y->yarn_first[yarn + 1] - 1) return 0.0;
+    for (k = 0; k < 3; k++) q[k] = yci_visit_rise(y, visit + k - 1), q[3 + k] = y->visit_u[visit + k - 1];
+    return yci_yarn_kink_strain(q);
+}
+
+/* Its stiffness f EI by the moments that the rest shape has, see chapter yarn. */
+static int yci_build_kink(const yci_build *b, int yarn, int visit, double alpha) {
+    double before = yci_build_rest_kink(b, yarn, visit - 1), here = yci_build_rest_kink(b, yarn, visit),
+           after = yci_build_rest_kink(b, yarn, visit + 1);
+    int straight = fabs(here) <= 1e-9 * (fabs(before) + fabs(after)); /* in the middle of a float */
+    yci_kink *e = YCI_PUSH(b, kink);
+    if (!e) return 0;
+    e->a = b->cloth->visit + visit - 1, e->b = e->a + 1, e->c = e->a + 2;
+    e->stiffness = alpha * yci_yarn_of(b, yarn)->crimp_bending * 6.0 /
+        (straight ? 6.0 : yci_clamp(4.0 + (before + after) / here, 2.0, 6.0));
+    e->rest = e->previous = here;
+    return 1;
+}
 
 static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *crossing) {
     const yc_yarns *y = b->yarns;
@@ -10900,11 +10981,15 @@ static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *cros
         int active = yci_build_active(b, a) && yci_build_active(b, a + 1), base = b->cloth->visit + a;
         double alpha, touching;
         if (!yci_build_segment(b, yarn, a)) return 0;
-        if (active && a + 2 <= last && yci_build_active(b, a + 2) && material->bending > 0.0) {
-            yci_bend *e = YCI_PUSH(b, bend);
-            if (!e) return 0;
+        if (active && a + 2 <= last && yci_build_active(b, a + 2)) {
             alpha = yci_raise((yci_build_share(b, a) + yci_build_share(b, a + 1) + yci_build_share(b, a + 2)) / 3.0);
-            e->a = base, e->b = base + 1, e->c = base + 2, e->stiffness = alpha * material->bending, e->previous = 0.0;
+            if (material->bending > 0.0) {
+                yci_bend *e = YCI_PUSH(b, bend);
+                if (!e) return 0;
+                e->a = base, e->b = base + 1, e->c = base + 2;
+                e->stiffness = alpha * material->bending, e->previous = 0.0;
+            }
+            if (y->visit_height && !yci_build_kink(b, yarn, a + 1, alpha)) return 0;
         }
         if (active && (b->m->visit_slot[base] >= 0 || b->m->visit_slot[base + 1] >= 0)) {
             yci_adjacent *e = YCI_PUSH(b, adjacent);
@@ -10928,10 +11013,11 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
     const yc_yarns *y = b->yarns;
     const yci_crossing *here = crossing + node;
     const yc_yarn_material *p, *q;
+    double rho;
     int i, k;
     if (here->count != 2 || y->yarn_family[here->yarn[0]] + y->yarn_family[here->yarn[1]] != YC_WARP + YC_WEFT)
         return 1;
-    p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]);
+    p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]), rho = 0.5 * (p->radius + q->radius);
     for (i = 0; i < 4; i++) {
         int node_of[3], visit, ends = 0;
         double q9[9], e1[3], e2[3], alpha = 0.0;
@@ -10947,7 +11033,7 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
             yci_copy(q9 + 3 * k, y->layout[node_of[k]]);
             alpha += b->m->share[b->cloth->node + node_of[k]] / 3.0;
         }
-        if (k < 3 || p->shear + q->shear <= 0.0) continue;
+        if (k < 3 || (p->shear + q->shear <= 0.0 && here->rub < 0)) continue;
         e = YCI_PUSH(b, shear);
         if (!e) return 0;
         for (k = 0; k < 3; k++) e->node[k] = b->cloth->node + node_of[k];
@@ -10956,6 +11042,8 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
         e->stiffness = yci_raise(alpha) * 0.5 * (p->shear + q->shear),
         e->limit = yci_min(p->shear_limit, q->shear_limit);
         e->rest = yci_yarn_shear_strain(q9), e->previous = e->rest;
+        e->rub = here->rub, e->anchor = here->rub < 0 ? -1 : 4 * (b->cloth->turn + node) + i;
+        e->turn = yci_raise(alpha) * 0.125 * (p->slide + q->slide) * rho * rho, e->reach = yci_raise(alpha) * rho / 6.0;
     }
     return 1;
 }
@@ -10983,20 +11071,49 @@ static void yci_build_slots(const yci_build *b, const yci_crossing *crossing) {
     }
 }
 
-static int yci_build_slides(const yci_build *b, const yci_crossing *crossing) {
-    int k, i;
-    for (k = 0; k < b->yarns->node_count; k++)
-        for (i = 0; i < crossing[k].count && crossing[k].count == 2; i++) {
-            const yc_yarn_material *p = yci_yarn_of(b, crossing[k].yarn[0]), *q = yci_yarn_of(b, crossing[k].yarn[1]);
-            int visit = b->cloth->visit + crossing[k].visit[i], j;
-            yci_slide *e;
-            if (b->m->visit_slot[visit] < 0) continue;
-            e = YCI_PUSH(b, slide);
-            if (!e) return 0;
-            for (j = 0; j < 2; j++) e->mate[j] = crossing[k].visit[i ^ j], e->yarn[j] = crossing[k].yarn[i ^ j];
-            e->visit = visit, e->cloth = (int)(b->cloth - b->s->cloth), e->stiffness = 0.5 * (p->slide + q->slide),
-            e->friction = 0.5 * (p->friction + q->friction), e->limit = 0.0;
-        }
+/* Which crossings have a z: those of full nodes whose yarns lie on each other. It comes behind the sliding visits. */
+static void yci_build_heights(const yci_build *b, const yci_crossing *crossing) {
+    const yc_yarns *y = b->yarns;
+    yci_model *m = b->m;
+    int k;
+    for (k = 0; k < y->visit_count; k++) {
+        m->lift[b->cloth->visit + k] = yci_visit_rise(y, k);
+        m->height_of[b->cloth->visit + k] = y->visit_height ? b->cloth->height + y->visit_node[k] : -1;
+    }
+    for (k = 0; y->visit_height && k < y->node_count; k++) {
+        const int *visit = crossing[k].visit, node = b->cloth->node + k, height = b->cloth->height + k;
+        m->height_node[height] = node, m->height_slot[height] = -1;
+        if (crossing[k].count == 2 && y->visit_layer[visit[0]] && y->visit_layer[visit[1]] &&
+            m->role[node] == YCI_FULL && !m->held[node])
+            m->height_slot[height] =
+                3 + (m->visit_slot[b->cloth->visit + visit[0]] >= 0) + (m->visit_slot[b->cloth->visit + visit[1]] >= 0);
+    }
+}
+
+/* The slides of a crossing, and the rub if it has friction and its yarns slide or turn on each other. */
+static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
+    const yc_yarn_material *p, *q;
+    int i, slot, slides = 0;
+    here->rub = -1;
+    if (here->count != 2) return 1;
+    p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]);
+    for (i = 0; i < 2; i++) slides += b->m->visit_slot[b->cloth->visit + here->visit[i]] >= 0;
+    if (p->friction + q->friction > 0.0 && (slides || b->m->role[b->cloth->node + node] == YCI_FULL)) {
+        yci_rub *e = YCI_PUSH(b, rub);
+        if (!e) return 0;
+        here->rub = b->m->rub_count - 1;
+        for (i = 0; i < 2; i++) e->visit[i] = here->visit[i], e->yarn[i] = here->yarn[i];
+        e->cloth = (int)(b->cloth - b->s->cloth), e->friction = 0.5 * (p->friction + q->friction);
+        e->preload = 0.5 * (p->preload + q->preload), e->limit = 0.0;
+    }
+    for (i = 0; i < 2; i++) {
+        yci_slide *e;
+        slot = b->m->visit_slot[b->cloth->visit + here->visit[i]];
+        if (slot < 0) continue;
+        e = YCI_PUSH(b, slide);
+        if (!e) return 0;
+        e->visit = b->cloth->visit + here->visit[i], e->rub = here->rub, e->stiffness = 0.5 * (p->slide + q->slide);
+    }
     return 1;
 }
 
@@ -11011,9 +11128,10 @@ static int yci_build_yarns(yci_build *b) {
             at->visit[at->count] = visit, at->yarn[at->count++] = yarn;
         }
     if (ok) yci_build_slots(b, crossing);
+    if (ok && b->m->height_of) yci_build_heights(b, crossing);
     for (yarn = 0; ok && yarn < y->yarn_count; yarn++) ok = yci_build_yarn(b, yarn, crossing);
+    for (node = 0; ok && node < y->node_count; node++) ok = yci_build_slides(b, crossing + node, node);
     for (node = 0; ok && node < y->node_count; node++) ok = yci_build_shear(b, crossing, node);
-    ok = ok && yci_build_slides(b, crossing);
     yci_free(c, crossing);
     return ok;
 }
@@ -11229,6 +11347,8 @@ static void yci_build_unknowns(yc_scene *s, yci_model *m, int *dim, int *count) 
     }
     for (i = 0; i < s->visits; i++)
         if (m->visit_slot[i] >= 0) dim[m->system_node[s->visit_node[i]]]++;
+    for (i = 0; i < s->heights; i++)
+        if (m->height_slot[i] >= 0) dim[m->system_node[m->height_node[i]]]++;
     *count = n;
 }
 
@@ -11254,6 +11374,11 @@ static size_t yci_build_couplings(const yc_scene *s, const yci_model *m, int (*p
     for (i = 0; i < m->bend_count; i++) {
         node[0] = s->visit_node[m->bend[i].a], node[1] = s->visit_node[m->bend[i].b],
         node[2] = s->visit_node[m->bend[i].c];
+        at = yci_build_couple(m, node, 3, pairs, at);
+    }
+    for (i = 0; i < m->kink_count; i++) {
+        node[0] = s->visit_node[m->kink[i].a], node[1] = s->visit_node[m->kink[i].b],
+        node[2] = s->visit_node[m->kink[i].c];
         at = yci_build_couple(m, node, 3, pairs, at);
     }
     for (i = 0; i < m->shear_count; i++) at = yci_build_couple(m, m->shear[i].node, 3, pairs, at);
@@ -11428,6 +11553,12 @@ static yc_result yci_scene_build(yc_scene *s) {
     m->mass_fixed = YCI_NEW(c, double, s->nodes), m->local = YCI_NEW(c, yci_local, YCI_CHUNK);
     ok = m->held && m->holder && m->role && m->share && m->system_node && m->node_of && m->visit_slot && m->mass &&
         m->mass_fixed && m->local;
+    if (ok && s->heights) {
+        m->height_of = YCI_NEW(c, int, s->visits), m->lift = YCI_NEW(c, double, s->visits),
+        m->thrust = YCI_NEW(c, double, s->visits);
+        m->height_slot = YCI_NEW(c, int, s->heights), m->height_node = YCI_NEW(c, int, s->heights);
+        ok = m->height_of && m->lift && m->thrust && m->height_slot && m->height_node;
+    }
     if (ok) yci_build_roles(s, m), yci_build_drop_loners(s, m), yci_build_holders(s, m);
     for (i = 0; ok && i < s->cloth_count; i++) {
         b.cloth = s->cloth + i, b.yarns = yci_cloth_yarns(b.cloth);
@@ -11472,6 +11603,26 @@ static void yci_local_slide(const yc_scene *s, yci_local *out, double *q, int sl
     out->dofs++;
 }
 
+/* Whether a visit's yarn undulates. */
+static int yci_crimped(const yci_model *m, int visit) { return m->height_of && m->height_of[visit] >= 0; }
+
+/* Appends y of a visit likewise: it varies as z does. */
+static void yci_local_rise(const yc_scene *s, yci_local *out, double *q, int slot, int visit) {
+    int height = s->model->height_of[visit];
+    q[out->dofs] = s->model->lift[visit] + s->z[height];
+    out->slot[out->dofs] = (signed char)slot, out->comp[out->dofs] = (signed char)s->model->height_slot[height];
+    out->dofs++;
+}
+
+/* The unknowns of a kink. */
+static void yci_local_kink(const yc_scene *s, yci_local *out, double *q, const int *visit) {
+    int i;
+    out->nodes = 3, out->dofs = 0;
+    for (i = 0; i < 3; i++) out->node[i] = s->visit_node[visit[i]];
+    for (i = 0; i < 3; i++) yci_local_rise(s, out, q, i, visit[i]);
+    for (i = 0; i < 3; i++) yci_local_slide(s, out, q, i, visit[i]);
+}
+
 /* The unknowns of two or three visits: positions, and u of the first and the last. */
 static void yci_local_visits(const yc_scene *s, yci_local *out, double *q, int count, const int *visit) {
     int i, node[3];
@@ -11480,6 +11631,21 @@ static void yci_local_visits(const yc_scene *s, yci_local *out, double *q, int c
     yci_local_gather(s, out, q);
     yci_local_slide(s, out, q, 0, visit[0]);
     yci_local_slide(s, out, q, count - 1, visit[count - 1]);
+}
+
+/* The unknowns of a segment; with crimp both heights too. */
+static void yci_local_segment(const yc_scene *s, yci_local *out, double *q, const yci_segment *e) {
+    yci_local_visits(s, out, q, 2, &e->a);
+    if (!yci_crimped(s->model, e->a)) return;
+    yci_local_rise(s, out, q, 0, e->a);
+    yci_local_rise(s, out, q, 1, e->b);
+}
+
+/* Adds a second element with the same unknowns. */
+static void yci_local_add(yci_local *out, const double *g, const double *h) {
+    int i;
+    for (i = 0; i < out->dofs; i++) out->g[i] += g[i];
+    for (i = 0; i < out->dofs * out->dofs; i++) out->h[i] += h[i];
 }
 
 static double yci_stitch_rest(const yc_scene *s, const yci_stitch *e) {
@@ -11564,20 +11730,26 @@ static void yci_eval_grip(const yc_scene *s, const yci_pair *pair, const yci_gri
         s->desc.self_friction * e->lambda, e->normal, e->share, u, mode);
 }
 
+/* What friction holds, mu lambda; nothing where there is none. */
+static double yci_rub_limit(const yci_model *m, int rub) { return rub < 0 ? 0.0 : m->rub[rub].limit; }
+
 /* Element `i` of a kind at the present state: energy alone (mode 0), or with gradient and positive semidefinite
  * Hessian. */
 static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *out) {
     const yci_model *m = s->model;
     double q[12], *g = mode ? out->g : NULL, *h = mode ? out->h : NULL;
     switch (kind) {
-    case YCI_SEGMENT:
+    case YCI_SEGMENT: {
+        const yci_segment *e = m->segment + i;
+        yci_local_segment(s, out, q, e);
+        if (out->dofs > 8) out->energy = yci_yarn_crimp(q, e->stretch, m->rate, e->previous, g, h, 1);
+        else out->energy = yci_yarn_stretch(q, e->stretch, m->rate, e->previous, g, h, 1);
+        break;
+    }
     case YCI_GRAVITY: {
         const yci_segment *e = m->segment + i;
-        int visit[2];
-        visit[0] = e->a, visit[1] = e->b;
-        yci_local_visits(s, out, q, 2, visit);
-        if (kind == YCI_GRAVITY) out->energy = yci_yarn_gravity(q, e->density, s->desc.gravity, g, h, 1);
-        else out->energy = yci_yarn_stretch(q, e->stretch, m->rate, e->previous, g, h, 1);
+        yci_local_visits(s, out, q, 2, &e->a);
+        out->energy = yci_yarn_gravity(q, e->density, s->desc.gravity, g, h, 1);
         break;
     }
     case YCI_BEND: {
@@ -11588,12 +11760,24 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         out->energy = yci_yarn_bend(q, e->stiffness, 0.0, 0.0, m->rate, e->previous, g, h, 1);
         break;
     }
+    case YCI_KINK: {
+        const yci_kink *e = m->kink + i;
+        yci_local_kink(s, out, q, &e->a);
+        out->energy = yci_yarn_kink(q, e->stiffness, e->rest, m->rate, e->previous, g, h, 1);
+        break;
+    }
     case YCI_SHEAR: {
         const yci_shear *e = m->shear + i;
         yci_local_nodes(out, 3, e->node);
         yci_local_gather(s, out, q);
         out->energy =
             yci_yarn_shear(q, e->stiffness, e->length, e->rest, e->limit, YCI_JAM_WIDTH, m->rate, e->previous, g, h, 1);
+        if (yci_rub_limit(m, e->rub) > 0.0) {
+            double g9[9], h9[81];
+            out->energy += yci_yarn_turn(q, e->rest, s->turn[e->anchor], e->turn, e->reach * yci_rub_limit(m, e->rub),
+                mode ? g9 : NULL, mode ? h9 : NULL, 1);
+            if (mode) yci_local_add(out, g9, h9);
+        }
         break;
     }
     case YCI_ADJACENT: {
@@ -11605,9 +11789,8 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         out->energy = yci_yarn_floor(q, e->hardness, e->floor, g, h);
         if (e->stiffness > 0.0) {
             double g2[2], h2[4];
-            int k;
             out->energy += yci_yarn_contact(q, e->stiffness, e->distance, mode ? g2 : NULL, mode ? h2 : NULL);
-            for (k = 0; mode && k < 4; k++) h[k] += h2[k], g[k % 2] += k < 2 ? g2[k] : 0.0;
+            if (mode) yci_local_add(out, g2, h2);
         }
         break;
     }
@@ -11616,7 +11799,7 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         out->nodes = 1, out->dofs = 0;
         out->node[0] = s->visit_node[e->visit];
         yci_local_slide(s, out, q, 0, e->visit);
-        out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, e->limit, g, h, 1);
+        out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, yci_rub_limit(m, e->rub), g, h, 1);
         break;
     }
     case YCI_FACE: {
@@ -11644,6 +11827,7 @@ static int yci_count(const yci_model *m, int kind) {
     case YCI_SEGMENT:
     case YCI_GRAVITY: return m->segment_count;
     case YCI_BEND: return m->bend_count;
+    case YCI_KINK: return m->kink_count;
     case YCI_SHEAR: return m->shear_count;
     case YCI_ADJACENT: return m->adjacent_count;
     case YCI_SLIDE: return m->slide_count;
@@ -11713,24 +11897,33 @@ static double yci_assemble_kind(yc_scene *s, int kind, int mode) {
 
 /* ---- the incremental potential ---- */
 
-static void yci_dofs_get(const yc_scene *s, double *q) {
+/* Where u of a sliding visit, and z of a height that is not held, stand among the unknowns. */
+static int yci_dof_of_slide(const yc_scene *s, int visit) {
+    const yci_model *m = s->model;
+    return m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit];
+}
+static int yci_dof_of_height(const yc_scene *s, int height) {
+    const yci_model *m = s->model;
+    return m->system.a.off[m->system_node[m->height_node[height]]] + m->height_slot[height];
+}
+
+/* The unknowns, or their velocities, out of the state's arrays. */
+static void yci_dofs_get(const yc_scene *s, const double *x, const double *u, const double *z, double *q) {
     const yci_model *m = s->model;
     int i;
-    for (i = 0; i < m->system.a.n; i++) yci_copy(q + m->system.a.off[i], s->x + 3 * m->node_of[i]);
-    for (i = 0; i < m->slide_count; i++) {
-        int visit = m->slide[i].visit;
-        q[m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit]] = s->u[visit];
-    }
+    for (i = 0; i < m->system.a.n; i++) yci_copy(q + m->system.a.off[i], x + 3 * m->node_of[i]);
+    for (i = 0; i < m->slide_count; i++) q[yci_dof_of_slide(s, m->slide[i].visit)] = u[m->slide[i].visit];
+    for (i = 0; i < s->heights; i++)
+        if (m->height_slot[i] >= 0) q[yci_dof_of_height(s, i)] = z[i];
 }
 
 static void yci_dofs_set(yc_scene *s, const double *q) {
     const yci_model *m = s->model;
     int i;
     for (i = 0; i < m->system.a.n; i++) yci_copy(s->x + 3 * m->node_of[i], q + m->system.a.off[i]);
-    for (i = 0; i < m->slide_count; i++) {
-        int visit = m->slide[i].visit;
-        s->u[visit] = q[m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit]];
-    }
+    for (i = 0; i < m->slide_count; i++) s->u[m->slide[i].visit] = q[yci_dof_of_slide(s, m->slide[i].visit)];
+    for (i = 0; i < s->heights; i++)
+        if (m->height_slot[i] >= 0) s->z[i] = q[yci_dof_of_height(s, i)];
 }
 
 /* Masses at the step's start: blocks of the system, and translational masses of all nodes. */
@@ -11759,6 +11952,11 @@ static void yci_masses(yc_scene *s) {
             else
                 for (k = 0; k < 3; k++) block[k * (d + 1)] += half;
         }
+    }
+    for (i = 0; i < s->heights; i++) {
+        int node = m->height_node[i], slot = m->height_slot[i], at = m->system_node[node];
+        if (slot >= 0)
+            m->system.mass[m->system.mass_at[at] + (size_t)(slot * (m->system.a.dim[at] + 1))] = m->mass[node];
     }
 }
 
@@ -11980,10 +12178,8 @@ static double yci_step_limit(yc_scene *s, double longest) {
     for (i = 0; i < m->segment_count; i++) {
         int a = m->segment[i].a, b = m->segment[i].b;
         double change = 0.0, du = s->u[b] - s->u[a];
-        if (m->visit_slot[a] >= 0)
-            change -= m->direction[m->system.a.off[m->system_node[s->visit_node[a]]] + m->visit_slot[a]];
-        if (m->visit_slot[b] >= 0)
-            change += m->direction[m->system.a.off[m->system_node[s->visit_node[b]]] + m->visit_slot[b]];
+        if (m->visit_slot[a] >= 0) change -= m->direction[yci_dof_of_slide(s, a)];
+        if (m->visit_slot[b] >= 0) change += m->direction[yci_dof_of_slide(s, b)];
         if (limit * change < -0.9 * du) limit = -0.9 * du / change;
     }
     if (!s->desc.self_contact || !move) return limit;
@@ -12063,12 +12259,16 @@ static void yci_strains(yc_scene *s) {
     double q[12];
     int i;
     for (i = 0; i < m->segment_count; i++) {
-        yci_local_visits(s, &out, q, 2, &m->segment[i].a);
-        m->segment[i].previous = yci_yarn_stretch_strain(q);
+        yci_local_segment(s, &out, q, m->segment + i);
+        m->segment[i].previous = out.dofs > 8 ? yci_yarn_crimp_strain(q) : yci_yarn_stretch_strain(q);
     }
     for (i = 0; i < m->bend_count; i++) {
         yci_local_visits(s, &out, q, 3, &m->bend[i].a);
         m->bend[i].previous = yci_yarn_bend_strain(q);
+    }
+    for (i = 0; i < m->kink_count; i++) {
+        yci_local_kink(s, &out, q, &m->kink[i].a);
+        m->kink[i].previous = yci_yarn_kink_strain(q);
     }
     for (i = 0; i < m->shear_count; i++) {
         yci_local_nodes(&out, 3, m->shear[i].node), yci_local_gather(s, &out, q);
@@ -12102,7 +12302,9 @@ static void yci_yarn_press(
     int k, there[3];
     for (k = 0; k < 3; k++) {
         int at = visit + k - 1;
-        there[k] = k == 1 || (at >= y->yarn_first[yarn] && at < y->yarn_first[yarn + 1]);
+        there[k] = k == 1 ||
+            (at >= y->yarn_first[yarn] && at < y->yarn_first[yarn + 1] &&
+                s->model->role[s->visit_node[cloth->visit + at]] != YCI_IDLE);
         if (!there[k]) continue;
         yci_copy(point[k], s->x + 3 * s->visit_node[cloth->visit + at]);
         yci_scale(point[k] + 3, n, material->radius * y->visit_layer[at]);
@@ -12112,22 +12314,57 @@ static void yci_yarn_press(
         material->bending, 0.0);
 }
 
-/* Compression at every sliding crossing, and with it what its friction can hold (YARN 4.3, 4.4). */
+/* What two yarns press each other with where they do not undulate (YARN 4.3). */
+static double yci_compression(const yc_scene *s, const yci_rub *e) {
+    const yci_cloth *cloth = s->cloth + e->cloth;
+    const double up[3] = {0.0, 1.0, 0.0};
+    double t[2][3], n[3], force[2][3];
+    int k, weft = cloth->yarns.yarn_family[e->yarn[0]] == YC_WEFT ? 0 : 1,
+           low = cloth->yarns.visit_layer[e->visit[0]] < 0 ? 0 : 1;
+    for (k = 0; k < 2; k++) yci_yarn_tangent(s, cloth, e->visit[k], e->yarn[k], t[k]);
+    yci_cross(n, t[weft], t[!weft]); /* the pattern's u x v: from the lower layer to the upper */
+    yci_normalize(n, up);
+    for (k = 0; k < 2; k++) yci_yarn_press(s, cloth, e->visit[k], e->yarn[k], n, force[k]);
+    return yci_yarn_compression(force[low], force[!low], n);
+}
+
+/* What the elements of every undulating yarn push it with at its visits, downwards. */
+static void yci_thrusts(yc_scene *s) {
+    yci_model *m = s->model;
+    yci_local out;
+    double q[12], g[12];
+    int i;
+    memset(m->thrust, 0, (size_t)s->visits * sizeof(double));
+    for (i = 0; i < m->segment_count; i++) {
+        const yci_segment *e = m->segment + i;
+        if (!yci_crimped(m, e->a)) continue;
+        yci_local_segment(s, &out, q, e);
+        yci_yarn_crimp(q, e->stretch, 0.0, 0.0, g, NULL, 0);
+        m->thrust[e->a] += g[8], m->thrust[e->b] += g[9];
+    }
+    for (i = 0; i < m->kink_count; i++) {
+        const yci_kink *e = m->kink + i;
+        yci_local_kink(s, &out, q, &e->a);
+        yci_yarn_kink(q, e->stiffness, e->rest, 0.0, 0.0, g, NULL, 0);
+        m->thrust[e->a] += g[0], m->thrust[e->b] += g[1], m->thrust[e->c] += g[2];
+    }
+}
+
+/* What presses the yarns of every crossing with friction together, and what its friction holds by that. */
 static void yci_compress(yc_scene *s) {
     yci_model *m = s->model;
-    int i, k;
-    for (i = 0; i < m->slide_count; i++) {
-        yci_slide *e = m->slide + i;
+    int i;
+    if (m->rub_count && m->thrust) yci_thrusts(s);
+    for (i = 0; i < m->rub_count; i++) {
+        yci_rub *e = m->rub + i;
         const yci_cloth *cloth = s->cloth + e->cloth;
-        const double up[3] = {0.0, 1.0, 0.0};
-        double t[2][3], n[3], force[2][3];
-        int weft = cloth->yarns.yarn_family[e->yarn[0]] == YC_WEFT ? 0 : 1,
-            low = cloth->yarns.visit_layer[e->mate[0]] < 0 ? 0 : 1;
-        for (k = 0; k < 2; k++) yci_yarn_tangent(s, cloth, e->mate[k], e->yarn[k], t[k]);
-        yci_cross(n, t[weft], t[!weft]); /* the pattern's u x v: from the lower layer to the upper */
-        yci_normalize(n, up);
-        for (k = 0; k < 2; k++) yci_yarn_press(s, cloth, e->mate[k], e->yarn[k], n, force[k]);
-        e->limit = e->friction * yci_yarn_compression(force[low], force[!low], n);
+        double lambda;
+        if (cloth->height >= 0) {
+            int up = cloth->yarns.visit_layer[e->visit[0]] < 0 ? 1 : 0;
+            const double *thrust = m->thrust + cloth->visit;
+            lambda = yci_max(0.0, 0.5 * (thrust[e->visit[up]] - thrust[e->visit[!up]]));
+        } else lambda = yci_compression(s, e);
+        e->limit = e->friction * (e->preload + lambda);
     }
 }
 
@@ -12175,13 +12412,35 @@ static void yci_fit_vertices(yc_scene *s, double *x) {
 static void yci_keep(yc_scene *s) {
     if (s->nodes) memcpy(s->x_n, s->x, 3 * (size_t)s->nodes * sizeof(double));
     if (s->visits) memcpy(s->u_n, s->u, (size_t)s->visits * sizeof(double));
+    if (s->heights) memcpy(s->z_n, s->z, (size_t)s->heights * sizeof(double));
 }
 
 static void yci_restore(yc_scene *s) {
     int i;
     if (s->nodes) memcpy(s->x, s->x_n, 3 * (size_t)s->nodes * sizeof(double));
     if (s->visits) memcpy(s->u, s->u_n, (size_t)s->visits * sizeof(double));
+    if (s->heights) memcpy(s->z, s->z_n, (size_t)s->heights * sizeof(double));
     for (i = 0; i < s->body_count; i++) s->body[i].pose = s->pose[2 * i];
+}
+
+/* After an accepted step anchors follow what slips. */
+static void yci_anchors(yc_scene *s) {
+    yci_model *m = s->model;
+    int i, k;
+    for (i = 0; i < m->slide_count; i++) {
+        const yci_slide *e = m->slide + i;
+        double *anchor = s->anchor + e->visit;
+        *anchor = yci_yarn_friction_anchor(s->u[e->visit], *anchor, e->stiffness, yci_rub_limit(m, e->rub));
+    }
+    for (i = 0; i < m->shear_count; i++) {
+        const yci_shear *e = m->shear + i;
+        double q[9], *anchor;
+        if (e->rub < 0) continue;
+        anchor = s->turn + e->anchor;
+        for (k = 0; k < 3; k++) yci_copy(q + 3 * k, s->x + 3 * e->node[k]);
+        *anchor = yci_yarn_friction_anchor(
+            yci_yarn_shear_strain(q) - e->rest, *anchor, e->turn, e->reach * yci_rub_limit(m, e->rub));
+    }
 }
 
 /* One implicit step of h seconds, which is `share` of what is left of the user's step. On failure the state is as
@@ -12190,7 +12449,7 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
     yci_model *m = s->model;
     double clock = yci_seconds();
     yc_result result;
-    int i, k, size;
+    int i, size;
     m->h = h, m->rate = s->desc.stiffness_damping / h;
     yci_fit_vertices(s, s->x);
     yci_keep(s);
@@ -12202,17 +12461,10 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
     if (result == YC_OK) {
         size = yci_system_size(&m->system);
         yci_masses(s);
-        yci_dofs_get(s, m->dof);
+        yci_dofs_get(s, s->x, s->u, s->z, m->dof);
         memcpy(m->dof_n, m->dof, (size_t)size * sizeof(double));
-        for (i = 0; i < m->system.a.n; i++)
-            for (k = 0; k < 3; k++)
-                m->dof_free[m->system.a.off[i] + k] =
-                    m->dof_n[m->system.a.off[i] + k] + h * s->velocity[3 * m->node_of[i] + k];
-        for (i = 0; i < m->slide_count; i++) {
-            int visit = m->slide[i].visit,
-                at = m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit];
-            m->dof_free[at] = m->dof_n[at] + h * s->slide[visit];
-        }
+        yci_dofs_get(s, s->velocity, s->slide, s->rise, m->dof_free);
+        for (i = 0; i < size; i++) m->dof_free[i] = m->dof_n[i] + h * m->dof_free[i];
         result = yci_newton(s, stats);
     }
     m->h = 0.0, m->rate = 0.0;
@@ -12222,9 +12474,8 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
     }
     for (i = 0; i < 3 * s->nodes; i++) s->velocity[i] = (s->x[i] - s->x_n[i]) / h;
     for (i = 0; i < s->visits; i++) s->slide[i] = (s->u[i] - s->u_n[i]) / h;
-    for (i = 0; i < m->slide_count; i++)
-        s->anchor[m->slide[i].visit] = yci_yarn_friction_anchor(
-            s->u[m->slide[i].visit], s->anchor[m->slide[i].visit], m->slide[i].stiffness, m->slide[i].limit);
+    for (i = 0; i < s->heights; i++) s->rise[i] = (s->z[i] - s->z_n[i]) / h;
+    yci_anchors(s);
     for (i = 0; i < s->body_count; i++) s->pose[2 * i] = s->body[i].pose;
     s->time += h;
     return YC_OK;
@@ -12313,7 +12564,7 @@ static yc_result yci_weld_closed(yc_scene *s) {
 
 typedef struct yci_state_head {
     char magic[8];
-    int vertices, nodes, visits, seams, bodies;
+    int vertices, nodes, visits, heights, turns, seams, bodies;
     double time, dt;
 } yci_state_head;
 
@@ -12334,6 +12585,9 @@ static size_t yci_state_pass(yc_scene *s, int way, char *buffer) {
     yci_state_move(way, buffer, &at, s->u, visits * sizeof(double));
     yci_state_move(way, buffer, &at, s->slide, visits * sizeof(double));
     yci_state_move(way, buffer, &at, s->anchor, visits * sizeof(double));
+    yci_state_move(way, buffer, &at, s->z, (size_t)s->heights * sizeof(double));
+    yci_state_move(way, buffer, &at, s->rise, (size_t)s->heights * sizeof(double));
+    yci_state_move(way, buffer, &at, s->turn, 4 * (size_t)s->turns * sizeof(double));
     yci_state_move(way, buffer, &at, s->pose, 2 * (size_t)s->body_count * sizeof(yci_pose));
     yci_state_move(way, buffer, &at, s->pin, nodes);
     yci_state_move(way, buffer, &at, s->welded, (size_t)s->seam_count);
@@ -12342,8 +12596,9 @@ static size_t yci_state_pass(yc_scene *s, int way, char *buffer) {
 
 static void yci_state_head_make(const yc_scene *s, yci_state_head *head) {
     memset(head, 0, sizeof *head);
-    memcpy(head->magic, "yarnst01", 8);
+    memcpy(head->magic, "yarnst02", 8);
     head->vertices = s->vertices, head->nodes = s->nodes, head->visits = s->visits;
+    head->heights = s->heights, head->turns = s->turns;
     head->seams = s->seam_count, head->bodies = s->body_count, head->time = s->time, head->dt = s->dt;
 }
 
@@ -12386,19 +12641,22 @@ YC_API yc_result yc_scene_save(yc_scene *s, void *buffer, size_t *size) {
 
 static int yci_state_head_same(const yci_state_head *a, const yci_state_head *b) {
     return !memcmp(a->magic, b->magic, sizeof a->magic) && a->vertices == b->vertices && a->nodes == b->nodes &&
-        a->visits == b->visits && a->seams == b->seams && a->bodies == b->bodies;
+        a->visits == b->visits && a->heights == b->heights && a->turns == b->turns && a->seams == b->seams &&
+        a->bodies == b->bodies;
 }
 
 YC_API yc_result yc_scene_load(yc_scene *s, const void *buffer, size_t size) {
     yci_state_head head, own;
-    size_t i;
+    size_t i, count;
     yci_state_head_make(s, &own);
     if (!buffer || size != yci_state_pass(s, YCI_STATE_ASK, NULL))
         return YCI_FAIL(&s->c, YC_ERROR_PARSE, "a state of %lu bytes is not this scene's", (unsigned long)size);
     memcpy(&head, buffer, sizeof head);
     if (!yci_state_head_same(&head, &own) || !(head.time >= 0.0) || !(head.dt > 0.0))
         return YCI_FAIL(&s->c, YC_ERROR_PARSE, "the state is not this scene's");
-    for (i = 0; i < 9 * (size_t)s->nodes + 3 * (size_t)s->visits + 24 * (size_t)s->body_count; i++) {
+    count = 9 * (size_t)s->nodes + 3 * (size_t)s->visits + 2 * (size_t)s->heights + 4 * (size_t)s->turns +
+        24 * (size_t)s->body_count;
+    for (i = 0; i < count; i++) {
         double value; /* the doubles of a state come first, in one row */
         memcpy(&value, (const char *)buffer + sizeof head + i * sizeof value, sizeof value);
         if (!yci_finite(value))
@@ -12471,8 +12729,9 @@ YC_API yc_result yc_scene_step(yc_scene *s, double dt, yc_stats *out) {
 /* ---- what can be read ---- */
 
 YC_API yc_result yc_scene_energy(yc_scene *s, double terms[YC_TERM_COUNT]) {
-    static const int term_of[YCI_KINDS] = {YC_TERM_STRETCH, YC_TERM_GRAVITY, YC_TERM_BENDING, YC_TERM_SHEAR,
-        YC_TERM_ADJACENT, YC_TERM_SLIDE, YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY, YC_TERM_PAIR};
+    static const int term_of[YCI_KINDS] = {YC_TERM_STRETCH, YC_TERM_GRAVITY, YC_TERM_BENDING, YC_TERM_BENDING,
+        YC_TERM_SHEAR, YC_TERM_ADJACENT, YC_TERM_SLIDE, YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY,
+        YC_TERM_PAIR};
     yci_model *m;
     yc_result result = yci_scene_build(s);
     int i, r, t, kind;
@@ -12485,11 +12744,7 @@ YC_API yc_result yc_scene_energy(yc_scene *s, double terms[YC_TERM_COUNT]) {
     yci_masses(s);
     for (kind = 0; kind < YCI_KINDS; kind++) terms[term_of[kind]] += yci_assemble_kind(s, kind, 0);
     for (i = 0; i < s->nodes; i++) terms[YC_TERM_GRAVITY] -= m->mass_fixed[i] * yci_dot(s->desc.gravity, s->x + 3 * i);
-    for (i = 0; i < m->system.a.n; i++) yci_copy(m->dof + m->system.a.off[i], s->velocity + 3 * m->node_of[i]);
-    for (i = 0; i < m->slide_count; i++) {
-        int visit = m->slide[i].visit;
-        m->dof[m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit]] = s->slide[visit];
-    }
+    yci_dofs_get(s, s->velocity, s->slide, s->rise, m->dof);
     for (i = 0; i < m->system.a.n; i++)
         for (r = 0; r < m->system.a.dim[i]; r++)
             for (t = 0; t < m->system.a.dim[i]; t++)
