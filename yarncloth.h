@@ -5902,10 +5902,9 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.m
  * A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
  *
  * Crimp. A yarn of family f passes height[f] over or under its crossings. Where it changes sides, over a spacing p of
- * the other family, it runs from crest to trough, 2 height[f]; with Peirce's (1937) height = (4/3) p sqrt(crimp) for
- * that, which is what a length of sqrt(p^2 + kappa (2 height)^2), kappa = 9/8, comes to when crimp is small, u follows.
- * height[f] is such that the mean of all lengths of the repeat is 1 + crimp[f] spacings: what is asked for counts a
- * float's straight segments in, and the interlacing ones have more.
+ * the other family, it falls from crest to trough by 2 height[f] on a length of sqrt(p^2 + kappa (2 height[f])^2), kappa
+ * = 9/8: for small crimp that is Peirce's (1937) 2 height = (4/3) p sqrt(crimp). The straight segments of floats count
+ * in: height[f] is such that the mean of all lengths of the repeat is 1 + crimp[f] spacings. u is the sum of them.
  *
  * Rods. Seam edges chain up between branching points; along each chain the yarn ends of both sides, in order, are
  * visited by a rod. Its u is the arc length along the seam, by the mean of both sides' pattern lengths. Ends closer
@@ -7504,7 +7503,12 @@ YC_FN double yci_yarn_compression(const double *low, const double *high, const d
 
 /* -- kinetic ------------------------------------------------------------------------------------------------------- */
 
-/* Adds the lumped inertia of half a segment to the block (n x n, n = 3 + visits) of its node: (1/2) m |x' - w u'|^2
+/* Lumped, not consistent (a sixth of the segment's mass between its nodes): the frequencies of waves of n segments come
+ * out low by (pi / n)^2 / 6 with it and high by as much with the other, 1.6 % at 10, which is less than what backward
+ * Euler takes of them unless steps are a thirtieth of a period; only free ends of a few segments swing better with the
+ * other, and chapter mixed needs blocks.
+ *
+ * Adds the lumped inertia of half a segment to the block (n x n, n = 3 + visits) of its node: (1/2) m |x' - w u'|^2
  * with m = rho du/2 and w = (x_j - x_i)/du, and 1e-3 m on the diagonal of u, the floor for a compressed segment's w
  * near 0. */
 YC_FN void yci_yarn_inertia(double m, const double *w, int visit, int n, double *block) {
@@ -10071,11 +10075,15 @@ typedef struct yci_kink {
     int a, b, c;
     double stiffness, rest, previous;
 } yci_kink;
-/* Friction of turning: a spring of `turn` N m about its anchor, that holds reach times the rub's limit. */
 typedef struct yci_shear {
-    int node[3], anchor, rub; /* -1: none */
-    double stiffness, length, rest, limit, previous, turn, reach;
+    int node[3];
+    double stiffness, length, rest, limit, previous;
 } yci_shear;
+/* The friction of a shear's angle: a spring of N m about its anchor, which holds reach times the rub's limit. */
+typedef struct yci_turn {
+    int rub, anchor; /* -1: none */
+    double stiffness, reach;
+} yci_turn;
 typedef struct yci_adjacent {
     int a, b;
     double stiffness, distance, hardness, floor;
@@ -10169,6 +10177,7 @@ typedef struct yci_model {
     YCI_ARRAY(yci_bend, bend);
     YCI_ARRAY(yci_kink, kink);
     YCI_ARRAY(yci_shear, shear);
+    YCI_ARRAY(yci_turn, turn); /* one for each shear; none in a scene without friction */
     YCI_ARRAY(yci_adjacent, adjacent);
     YCI_ARRAY(yci_slide, slide);
     YCI_ARRAY(yci_rub, rub);
@@ -10333,7 +10342,7 @@ static void yci_model_destroy(yc_scene *s) {
     yci_free(c, m->visit_slot), yci_free(c, m->mass), yci_free(c, m->mass_fixed);
     yci_free(c, m->height_of), yci_free(c, m->height_slot), yci_free(c, m->height_node), yci_free(c, m->lift),
         yci_free(c, m->thrust);
-    yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear),
+    yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear), yci_free(c, m->turn),
         yci_free(c, m->adjacent), yci_free(c, m->slide), yci_free(c, m->rub);
     yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
     yci_free(c, m->grip), yci_free(c, m->edge), yci_free(c, m->ball), yci_free(c, m->face_node),
@@ -11022,6 +11031,7 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
         int node_of[3], visit, ends = 0;
         double q9[9], e1[3], e2[3], alpha = 0.0;
         yci_shear *e;
+        yci_turn *turn;
         node_of[0] = node;
         for (k = 0; k < 2; k++) {
             visit = here->visit[k] + ((i >> k) & 1 ? 1 : -1);
@@ -11042,8 +11052,12 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
         e->stiffness = yci_raise(alpha) * 0.5 * (p->shear + q->shear),
         e->limit = yci_min(p->shear_limit, q->shear_limit);
         e->rest = yci_yarn_shear_strain(q9), e->previous = e->rest;
-        e->rub = here->rub, e->anchor = here->rub < 0 ? -1 : 4 * (b->cloth->turn + node) + i;
-        e->turn = yci_raise(alpha) * 0.125 * (p->slide + q->slide) * rho * rho, e->reach = yci_raise(alpha) * rho / 6.0;
+        if (!b->s->turns) continue;
+        turn = YCI_PUSH(b, turn);
+        if (!turn) return 0;
+        turn->rub = here->rub, turn->anchor = here->rub < 0 ? -1 : 4 * (b->cloth->turn + node) + i;
+        turn->stiffness = yci_raise(alpha) * 0.125 * (p->slide + q->slide) * rho * rho;
+        turn->reach = yci_raise(alpha) * rho / 6.0;
     }
     return 1;
 }
@@ -11090,15 +11104,14 @@ static void yci_build_heights(const yci_build *b, const yci_crossing *crossing) 
     }
 }
 
-/* The slides of a crossing, and the rub if it has friction and its yarns slide or turn on each other. */
+/* The slides of a full node's crossing, and its rub where it has friction: that of sliding and of turning. */
 static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
     const yc_yarn_material *p, *q;
-    int i, slot, slides = 0;
+    int i;
     here->rub = -1;
-    if (here->count != 2) return 1;
+    if (here->count != 2 || b->m->role[b->cloth->node + node] != YCI_FULL) return 1;
     p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]);
-    for (i = 0; i < 2; i++) slides += b->m->visit_slot[b->cloth->visit + here->visit[i]] >= 0;
-    if (p->friction + q->friction > 0.0 && (slides || b->m->role[b->cloth->node + node] == YCI_FULL)) {
+    if (p->friction + q->friction > 0.0) {
         yci_rub *e = YCI_PUSH(b, rub);
         if (!e) return 0;
         here->rub = b->m->rub_count - 1;
@@ -11107,12 +11120,12 @@ static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
         e->preload = 0.5 * (p->preload + q->preload), e->limit = 0.0;
     }
     for (i = 0; i < 2; i++) {
+        int visit = b->cloth->visit + here->visit[i];
         yci_slide *e;
-        slot = b->m->visit_slot[b->cloth->visit + here->visit[i]];
-        if (slot < 0) continue;
+        if (b->m->visit_slot[visit] < 0) continue;
         e = YCI_PUSH(b, slide);
         if (!e) return 0;
-        e->visit = b->cloth->visit + here->visit[i], e->rub = here->rub, e->stiffness = 0.5 * (p->slide + q->slide);
+        e->visit = visit, e->rub = here->rub, e->stiffness = 0.5 * (p->slide + q->slide);
     }
     return 1;
 }
@@ -11772,10 +11785,11 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         yci_local_gather(s, out, q);
         out->energy =
             yci_yarn_shear(q, e->stiffness, e->length, e->rest, e->limit, YCI_JAM_WIDTH, m->rate, e->previous, g, h, 1);
-        if (yci_rub_limit(m, e->rub) > 0.0) {
+        if (m->turn_count && yci_rub_limit(m, m->turn[i].rub) > 0.0) {
+            const yci_turn *t = m->turn + i;
             double g9[9], h9[81];
-            out->energy += yci_yarn_turn(q, e->rest, s->turn[e->anchor], e->turn, e->reach * yci_rub_limit(m, e->rub),
-                mode ? g9 : NULL, mode ? h9 : NULL, 1);
+            out->energy += yci_yarn_turn(q, e->rest, s->turn[t->anchor], t->stiffness,
+                t->reach * yci_rub_limit(m, t->rub), mode ? g9 : NULL, mode ? h9 : NULL, 1);
             if (mode) yci_local_add(out, g9, h9);
         }
         break;
@@ -12284,11 +12298,17 @@ static void yci_strains(yc_scene *s) {
     }
 }
 
+/* Whether a yarn has this visit, and in the mechanics. */
+static int yci_yarn_goes_on(const yc_scene *s, const yci_cloth *cloth, int yarn, int visit) {
+    return visit >= cloth->yarns.yarn_first[yarn] && visit < cloth->yarns.yarn_first[yarn + 1] &&
+        s->model->role[s->visit_node[cloth->visit + visit]] != YCI_IDLE;
+}
+
 /* The unit tangent of a yarn at a visit, one-sided at its ends. */
 static void yci_yarn_tangent(const yc_scene *s, const yci_cloth *cloth, int visit, int yarn, double *t) {
     const double up[3] = {0.0, 1.0, 0.0};
-    const int *first = cloth->yarns.yarn_first + yarn;
-    int before = visit > first[0] ? visit - 1 : visit, after = visit + 1 < first[1] ? visit + 1 : visit;
+    int before = visit - yci_yarn_goes_on(s, cloth, yarn, visit - 1),
+        after = visit + yci_yarn_goes_on(s, cloth, yarn, visit + 1);
     yci_sub(t, s->x + 3 * s->visit_node[cloth->visit + after], s->x + 3 * s->visit_node[cloth->visit + before]);
     yci_normalize(t, up);
 }
@@ -12302,9 +12322,7 @@ static void yci_yarn_press(
     int k, there[3];
     for (k = 0; k < 3; k++) {
         int at = visit + k - 1;
-        there[k] = k == 1 ||
-            (at >= y->yarn_first[yarn] && at < y->yarn_first[yarn + 1] &&
-                s->model->role[s->visit_node[cloth->visit + at]] != YCI_IDLE);
+        there[k] = yci_yarn_goes_on(s, cloth, yarn, at);
         if (!there[k]) continue;
         yci_copy(point[k], s->x + 3 * s->visit_node[cloth->visit + at]);
         yci_scale(point[k] + 3, n, material->radius * y->visit_layer[at]);
@@ -12432,14 +12450,14 @@ static void yci_anchors(yc_scene *s) {
         double *anchor = s->anchor + e->visit;
         *anchor = yci_yarn_friction_anchor(s->u[e->visit], *anchor, e->stiffness, yci_rub_limit(m, e->rub));
     }
-    for (i = 0; i < m->shear_count; i++) {
-        const yci_shear *e = m->shear + i;
+    for (i = 0; i < m->turn_count; i++) {
+        const yci_turn *e = m->turn + i;
         double q[9], *anchor;
         if (e->rub < 0) continue;
+        for (k = 0; k < 3; k++) yci_copy(q + 3 * k, s->x + 3 * m->shear[i].node[k]);
         anchor = s->turn + e->anchor;
-        for (k = 0; k < 3; k++) yci_copy(q + 3 * k, s->x + 3 * e->node[k]);
         *anchor = yci_yarn_friction_anchor(
-            yci_yarn_shear_strain(q) - e->rest, *anchor, e->turn, e->reach * yci_rub_limit(m, e->rub));
+            yci_yarn_shear_strain(q) - m->shear[i].rest, *anchor, e->stiffness, e->reach * yci_rub_limit(m, e->rub));
     }
 }
 
