@@ -7077,17 +7077,13 @@ YC_API void yc_yarns_destroy(yc_yarns *yarns) {
  *                vanishes between two steps. It acts far below any touching distance. Projected is exact.
  *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where
  *                it slips, the parabola that touches from above: with the exact zero Newton would overshoot forever.
- *   turning      the friction law of phi in place of u, k in N m, limit = mu lambda (2/3) rho in N m: the moment of a
- *                pressure lambda spread evenly over a disc of radius rho. Projected as friction and shear are.
- *
- * Crimp. A yarn that undulates passes its nodes at heights y, and u is its true length. Between two of them its length
- * is taken as l = sqrt(|x_j - x_i|^2 + kappa (y_b - y_a)^2), kappa = 9/8 (Peirce 1937: crest to trough is (4/3) p
- * sqrt(c), p the spacing and c the crimp, so that l = p (1 + c)): a distance in four dimensions, by which
- *   stretch      is as above, its energy and its projection.
+ *   turning      the friction law of phi in place of u, k in N m, limit = mu lambda (2/3) rho: the moment of a pressure
+ *                lambda spread evenly over a disc of radius rho. Projected as friction and shear are.
+ * With crimp u is the true length of a yarn that passes its nodes at heights y, and
+ *   stretch      is the same with l^2 = |x_j - x_i|^2 + kappa (y_b - y_a)^2, a distance in four dimensions, kappa = 9/8
+ *                (Peirce 1937, see chapter fabric).
  *   kink         k (t - t_0)^2 / (du_- + du_+), t = (y_b - y_a)/du_- - (y_c - y_b)/du_+ the difference of the slopes.
- *                Projected keeps the positive part of f' hess t, side by side; it is exact where t = t_0.
- * A beam over its crossings has the moment M_b of the three-moment equation M_a + 4 M_b + M_c = 6 EI t_b/du there, so k
- * = f EI with f = M_b du/(EI t_b): 3 where kinks alternate, 3/2 where one stands alone, 1 in a long wave.
+ *                Projected keeps the positive part of f' hess t on either side; it is exact where t = t_0.
  *
  * The energies of an angle f(phi) share one Hessian. With unit edges a, b of lengths l1, l2, in-plane normals n1 (of a,
  * towards b) and n2 (of b, towards a) and the binormal m, grad phi = (-n1/l1, -n2/l2) and
@@ -7203,6 +7199,14 @@ YC_FN double yci_yarn_crimp(const double *q, double k, double r, double s_prev, 
 }
 
 /* -- kink of a crimped yarn: q = (y_a, y_b, y_c, u_a, u_b, u_c) ----------------------------------------------------- */
+
+/* The stiffness of a beam over its crossings, as a multiple of EI, from the kinks t at rest: the three-moment equation
+ * M_a + 4 M_b + M_c = 6 EI t_b/du, with M in proportion to t, gives M_b = f EI t_b/du and an energy (1/2) M_b t_b. 3
+ * where kinks alternate, 3/2 where one stands alone, 1 in a long wave and where there is none. */
+YC_FN double yci_yarn_kink_factor(double before, double here, double after) {
+    if (fabs(here) <= 1e-9 * (fabs(before) + fabs(after))) return 1.0;
+    return 6.0 / yci_clamp(4.0 + (before + after) / here, 2.0, 6.0);
+}
 
 YC_FN double yci_yarn_kink_strain(const double *q) {
     return (q[1] - q[0]) / (q[4] - q[3]) - (q[2] - q[1]) / (q[5] - q[4]);
@@ -10967,16 +10971,13 @@ static double yci_build_rest_kink(const yci_build *b, int yarn, int visit) {
     return yci_yarn_kink_strain(q);
 }
 
-/* Its stiffness f EI by the moments that the rest shape has, see chapter yarn. */
 static int yci_build_kink(const yci_build *b, int yarn, int visit, double alpha) {
     double before = yci_build_rest_kink(b, yarn, visit - 1), here = yci_build_rest_kink(b, yarn, visit),
            after = yci_build_rest_kink(b, yarn, visit + 1);
-    int straight = fabs(here) <= 1e-9 * (fabs(before) + fabs(after)); /* in the middle of a float */
     yci_kink *e = YCI_PUSH(b, kink);
     if (!e) return 0;
     e->a = b->cloth->visit + visit - 1, e->b = e->a + 1, e->c = e->a + 2;
-    e->stiffness = alpha * yci_yarn_of(b, yarn)->crimp_bending * 6.0 /
-        (straight ? 6.0 : yci_clamp(4.0 + (before + after) / here, 2.0, 6.0));
+    e->stiffness = alpha * yci_yarn_of(b, yarn)->crimp_bending * yci_yarn_kink_factor(before, here, after);
     e->rest = e->previous = here;
     return 1;
 }

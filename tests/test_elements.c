@@ -391,6 +391,37 @@ TEST(yarn_kink) {
     }
 }
 
+/* A beam over 40 supports at heights h(i): its energy by the three-moment equation, against the sum of kinks. */
+static double elements_beam(double (*height)(int), double *kinks) {
+    double t[41] = {0.0}, m[42] = {0.0}, low[42] = {0.0}, energy = 0.0;
+    for (int i = 1; i < 40; i++) t[i] = 2.0 * height(i) - height(i - 1) - height(i + 1);
+    for (int i = 1; i < 40; i++) { /* M_i-1 + 4 M_i + M_i+1 = 6 t_i, EI and du 1 */
+        double pivot = 4.0 - low[i - 1];
+        low[i] = 1.0 / pivot, m[i] = (6.0 * t[i] - m[i - 1]) / pivot;
+    }
+    for (int i = 39; i > 0; i--) m[i] -= low[i] * m[i + 1];
+    *kinks = 0.0;
+    for (int i = 10; i < 30; i++) { /* away from its ends */
+        double q[6] = {0.0, 0.0, 0.0, -1.0, 0.0, 1.0};
+        for (int k = 0; k < 3; k++) q[k] = height(i + k - 1);
+        energy += 0.5 * m[i] * t[i];
+        *kinks += yci_yarn_kink(q, yci_yarn_kink_factor(t[i - 1], t[i], t[i + 1]), 0.0, 0.0, 0.0, NULL, NULL, 0);
+    }
+    return energy;
+}
+static double elements_plain(int i) { return i % 2 ? 1.0 : -1.0; }
+static double elements_twill(int i) { return i / 2 % 2 ? 1.0 : -1.0; }
+static double elements_wave(int i) { return sin(0.1 * YCI_PI * i); }
+
+TEST(yarn_kink_factor) {
+    double exact, kinks;
+    exact = elements_beam(elements_plain, &kinks), CHECK_NEAR(kinks, exact, 1e-6 * exact);
+    exact = elements_beam(elements_twill, &kinks), CHECK_NEAR(kinks, exact, 1e-6 * exact);
+    exact = elements_beam(elements_wave, &kinks), CHECK_NEAR(kinks, exact, 0.02 * exact);
+    CHECK(yci_yarn_kink_factor(0.0, 1.0, 0.0) == 1.5 && yci_yarn_kink_factor(1.0, 0.0, -1.0) == 1.0);
+    CHECK(yci_yarn_kink_factor(-9.0, 1.0, -9.0) == 3.0 && yci_yarn_kink_factor(9.0, 1.0, 9.0) == 1.0);
+}
+
 TEST(yarn_turn) {
     static const double angle[4] = {0.3, 1.45, 1.6, 2.8};
     elements_state = 1;
