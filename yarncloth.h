@@ -301,7 +301,7 @@ typedef struct yc_yarn_material {
     double friction;    /* Coulomb coefficient between crossing yarns; [0, 10]; default 0.3 */
     double slide;       /* k_f, N/m: stiffness of the anchored friction spring; > 0; default 100 */
     /* N: what presses the yarns of a crossing together at rest, as weaving and finishing leave it; the mean of both
-     * yarns counts, and friction of sliding and of turning adds it to the force that the state gives; >= 0; default 0 */
+     * yarns counts, and friction of sliding and of turning adds it to what the state gives; >= 0; default 0 */
     double preload;
     /* N m^2: EI of the undulation of a crimped yarn. Another value than `bending` only where a yarn stands for several;
      * > 0; default 3e-9. Not used without crimp */
@@ -5902,8 +5902,8 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.m
  * A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
  *
  * Crimp. A yarn of family f passes height[f] over or under its crossings. Where it changes sides, over a spacing p of
- * the other family, it falls from crest to trough by 2 height[f] on a length of sqrt(p^2 + kappa (2 height[f])^2), kappa
- * = 9/8: for small crimp that is Peirce's (1937) 2 height = (4/3) p sqrt(crimp). The straight segments of floats count
+ * the other family, it falls from crest to trough by 2 height[f] on a length of sqrt(p^2 + kappa (2 height[f])^2), with
+ * kappa = 9/8: for small crimp that is Peirce's (1937) 2 height = (4/3) p sqrt(crimp). The straight segments of floats count
  * in: height[f] is such that the mean of all lengths of the repeat is 1 + crimp[f] spacings. u is the sum of them.
  *
  * Rods. Seam edges chain up between branching points; along each chain the yarn ends of both sides, in order, are
@@ -7198,7 +7198,7 @@ YC_FN double yci_yarn_crimp(const double *q, double k, double r, double s_prev, 
     return du * density;
 }
 
-/* -- kink of a crimped yarn: q = (y_a, y_b, y_c, u_a, u_b, u_c) ----------------------------------------------------- */
+/* -- kink of a crimped yarn: q = (y_a, y_b, y_c, u_a, u_b, u_c) ---------------------------------------------------- */
 
 /* The stiffness of a beam over its crossings, as a multiple of EI, from the kinks t at rest: the three-moment equation
  * M_a + 4 M_b + M_c = 6 EI t_b/du, with M in proportion to t, gives M_b = f EI t_b/du and an energy (1/2) M_b t_b. 3
@@ -7459,7 +7459,7 @@ YC_FN double yci_yarn_friction_anchor(double u, double anchor, double k, double 
     return u < anchor ? u + limit / k : u - limit / k;
 }
 
-/* -- friction of turning: q = (x_i, x_j, x_k) as for shear, the anchor an angle from phi_0 -------------------------- */
+/* -- friction of turning: q = (x_i, x_j, x_k) as for shear, the anchor an angle from phi_0 ------------------------- */
 
 YC_FN double yci_yarn_turn(
     const double *q, double phi_0, double anchor, double k, double limit, double *g, double *h, int projected) {
