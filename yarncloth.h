@@ -5904,7 +5904,7 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol->context.m
  * Crimp. A yarn of family f passes height[f] over or under its crossings. Where it changes sides, over a spacing p of
  * the other family, it falls from crest to trough by 2 height[f] on a length of sqrt(p^2 + kappa (2 height[f])^2), with
  * kappa = 9/8: for small crimp that is Peirce's (1937) 2 height = (4/3) p sqrt(crimp). The straight segments of floats
- * count in: height[f] is such that the mean of all lengths of the repeat is 1 + crimp[f] spacings. u is the sum of them.
+ * count in: height[f] is such that the mean of all lengths in a repeat is 1 + crimp[f] spacings. u sums them.
  *
  * Rods. Seam edges chain up between branching points; along each chain the yarn ends of both sides, in order, are
  * visited by a rod. Its u is the arc length along the seam, by the mean of both sides' pattern lengths. Ends closer
