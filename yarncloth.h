@@ -11105,12 +11105,12 @@ static void yci_build_heights(const yci_build *b, const yci_crossing *crossing) 
     }
 }
 
-/* The slides of a full node's crossing, and its rub where it has friction: that of sliding and of turning. */
+/* The slides of a crossing, and its rub where it has friction: that of sliding and of turning. */
 static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
     const yc_yarn_material *p, *q;
     int i;
     here->rub = -1;
-    if (here->count != 2 || b->m->role[b->cloth->node + node] != YCI_FULL) return 1;
+    if (here->count != 2 || b->m->role[b->cloth->node + node] == YCI_IDLE) return 1;
     p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]);
     if (p->friction + q->friction > 0.0) {
         yci_rub *e = YCI_PUSH(b, rub);
