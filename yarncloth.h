@@ -12323,7 +12323,7 @@ static void yci_yarn_press(
     int k, there[3];
     for (k = 0; k < 3; k++) {
         int at = visit + k - 1;
-        there[k] = yci_yarn_goes_on(s, cloth, yarn, at);
+        there[k] = k == 1 || yci_yarn_goes_on(s, cloth, yarn, at);
         if (!there[k]) continue;
         yci_copy(point[k], s->x + 3 * s->visit_node[cloth->visit + at]);
         yci_scale(point[k] + 3, n, material->radius * y->visit_layer[at]);
@@ -12378,7 +12378,7 @@ static void yci_compress(yc_scene *s) {
         yci_rub *e = m->rub + i;
         const yci_cloth *cloth = s->cloth + e->cloth;
         double lambda;
-        if (cloth->height >= 0) {
+        if (m->thrust && cloth->height >= 0) {
             int up = cloth->yarns.visit_layer[e->visit[0]] < 0 ? 1 : 0;
             const double *thrust = m->thrust + cloth->visit;
             lambda = yci_max(0.0, 0.5 * (thrust[e->visit[up]] - thrust[e->visit[!up]]));

@@ -46,7 +46,7 @@ static woven woven_new(const yc_weave_desc *weave, const yc_scene_desc *settings
     cloth.yarns = &w.yarns, cloth.hold_sliding = hold_sliding;
     CHECK_RESULT(yc_scene_create(NULL, settings, &w.scene, NULL), YC_OK);
     CHECK_RESULT(yc_scene_add_cloth(w.scene, &cloth, NULL), YC_OK);
-    w.x = (double(*)[3])malloc((size_t)w.yarns.node_count * sizeof *w.x);
+    w.x = (double(*)[3])calloc((size_t)w.yarns.node_count, sizeof *w.x);
     return w;
 }
 
@@ -221,10 +221,9 @@ TEST(scene_crimp_tension) {
     yc_weave_desc d = shirting(8, 20);
     yc_scene_desc settings = quasistatic();
     woven w = woven_new(&d, &settings, 1);
-    double force[13], strain[13], straight = d.warp.stretch / d.spacing[0], at = 0.0, slope;
+    double force[13] = {0.0}, strain[13] = {0.0}, straight = d.warp.stretch / d.spacing[0], at = 0.0, slope;
     int i, most = 0;
     yc_stats stats;
-    force[0] = strain[0] = 0.0;
     for (i = 1; i <= 12; i++) {
         double cell_strain[2];
         force[i] = pull(&w, 1, 0.008 * i, &stats), strain[i] = strain_of(&w, 1);
