@@ -11670,11 +11670,10 @@ static double yci_stitch_rest(const yc_scene *s, const yci_stitch *e) {
 
 /* Spring of an open seam: 1/2 k (l - r)^2 for l > r, so that it only draws. Its Hessian keeps the stiffness across. */
 static void yci_eval_stitch(const yc_scene *s, const yci_stitch *e, int mode, yci_local *out) {
-    double q[6], d[3], up[3] = {0.0, 1.0, 0.0}, length, stretch, across;
+    double d[3], up[3] = {0.0, 1.0, 0.0}, length, stretch, across;
     int i, j;
     yci_local_nodes(out, 2, e->node);
-    yci_local_gather(s, out, q);
-    yci_sub(d, q + 3, q);
+    yci_sub(d, s->x + 3 * e->node[1], s->x + 3 * e->node[0]);
     length = yci_normalize(d, up);
     stretch = yci_max(length - yci_stitch_rest(s, e), 0.0);
     out->energy = 0.5 * e->stiffness * stretch * stretch;
