@@ -426,9 +426,9 @@ typedef struct yc_weave_desc {
     int order_count[2]; /* >= 1 where there is an order; default 0, 0 */
     /* along welded seams of a mesh; rod.density = 0: no rods. Default: the yarn's, twice as heavy */
     yc_yarn_material rod;
-    /* [YC_WARP], [YC_WEFT]: length of a yarn over the length of its cloth, less 1; [0, 0.5]; default 0, 0. Where one is
-     * above 0 yarns undulate (visit_height), density is that of the straightened yarn, and cloth stretches by
-     * straightening them first */
+    /* [YC_WARP], [YC_WEFT]: length of a yarn over the length of its cloth, less 1, the mean over the family's yarns and
+     * the draft's repeat; [0, 0.5]; default 0, 0. Where one is above 0 yarns undulate (visit_height, one for each
+     * family), density is that of the straightened yarn, and cloth stretches by straightening them first */
     double crimp[2];
     yc_edge edge[2]; /* [YC_WARP], [YC_WEFT]: ends of that family at a free outline; default YC_EDGE_CUT, twice */
     /* [1, 1000]; default 1. Yarns that are laid as one: spacing is that many times as wide and materials are changed so
@@ -6089,6 +6089,11 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol ? chol->co
  * So at a cut edge every yarn has a tail, which can slide out of its last crossing; at a selvedge last crossings are
  * held. A yarn that crosses no other would fall off: it is not made, and neither is one with fewer than two visits.
  *
+ * Crimp. A yarn of family f passes height[f] over or under its crossings. Where it changes sides, over a spacing p of
+ * the other family, it falls from crest to trough by 2 height[f] on a length of sqrt(p^2 + kappa (2 height[f])^2), with
+ * kappa = 9/8: for small crimp that is Peirce's (1937) 2 height = (4/3) p sqrt(crimp). The straight segments of floats
+ * count in: height[f] is such that the mean of all lengths in a repeat is 1 + crimp[f] spacings. u sums them.
+ *
  * Rods. Seam edges chain up between branching points; along each chain the yarn ends of both sides, in order, are
  * visited by a rod. Its u is the arc length along the seam, by the mean of both sides' pattern lengths. Ends closer
  * than 0.05 spacings (often: equal pieces have equal lattices) are first moved apart along the seam to that distance,
@@ -6107,6 +6112,7 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol ? chol->co
 #define YCI_WEAVE_TAIL 0.3        /* spacings; a shorter tail is not kept at a seam or selvedge */
 #define YCI_WEAVE_STUB 0.05       /* spacings; nor such a one at a cut edge */
 #define YCI_WEAVE_GAP 0.05        /* spacings, between neighbouring visits of a rod */
+#define YCI_CRIMP_KAPPA 1.125     /* Peirce's, see Crimp above; chapter yarn measures lengths with it */
 
 static int yci_finite(double x) { return x - x == 0.0; }
 
@@ -6370,6 +6376,12 @@ static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *
             if (y->visit_layer[k] < -1 || y->visit_layer[k] > 1)
                 return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "yarns.visit_layer[%d] = %d must lie in -1 .. 1", k, y->visit_layer[k]);
+            if (y->visit_height && !(yci_finite(y->visit_height[k]) && y->visit_height[k] >= 0.0))
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_height[%d] = %g must be finite and not negative", k,
+                    y->visit_height[k]);
+            if (y->visit_height && !y->visit_layer[k] && y->visit_height[k] != 0.0)
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_height[%d] = %g must be 0: its layer is 0", k,
+                    y->visit_height[k]);
             if (++visits[node] > 2)
                 return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: a third visit of this node", k, node);
         }
@@ -6397,7 +6409,7 @@ static yc_result yci_yarns_check(yci_context *c, const yc_yarns *y, const yc_mes
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.material_count = %d must be at least 1", y->material_count);
     if (!y->layout || !y->yarn_first || !y->yarn_family || !y->yarn_material || !y->visit_node || !y->visit_u ||
         !y->visit_layer || !y->visit_held || !y->materials)
-        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights and owner may be NULL");
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights, visit_height and owner may be NULL");
     if (mesh && (!y->triangle || !y->weights))
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.triangle and weights must not be NULL with a mesh");
     for (i = 0; i < y->material_count; i++) {
@@ -6458,6 +6470,8 @@ static yc_result yci_weave_check(yci_context *c, const yc_weave_desc *d, int wit
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.repeat[%d] = %d must be at least 1", i, d->repeat[i]);
         if (d->edge[i] != YC_EDGE_CUT && d->edge[i] != YC_EDGE_SELVEDGE)
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.edge[%d] = %d is none of yc_edge", i, (int)d->edge[i]);
+        if (!(d->crimp[i] >= 0.0 && d->crimp[i] <= 0.5))
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.crimp[%d] = %g must lie in [0, 0.5]", i, d->crimp[i]);
         if (!with_mesh && !yci_finite(d->size[i]))
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be finite", i, d->size[i]);
         if (!with_mesh && d->size[i] <= 0.0)
@@ -6514,7 +6528,8 @@ typedef struct {
     const unsigned char *draft;
     int repeat[2];
     double turn[2]; /* cosine and sine of the grain */
-    int *twin;      /* [3 triangle_count], half-edge across the edge of the mesh, -1 at its border */
+    double height[2];
+    int *twin; /* [3 triangle_count], half-edge across the edge of the mesh, -1 at its border */
     int piece_count;
     int *piece_first, *piece_triangle; /* [piece_count + 1], [triangle_count] */
     /* lattice of the piece at work */
@@ -7114,7 +7129,7 @@ static void *yci_weave_carve(char *block, size_t *used, int count, size_t size) 
 
 /* Points the arrays of a network, whose counts are set, into the block and returns its size. The context that frees it
  * stands in front. */
-static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh) {
+static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh, int crimped) {
     size_t used = 0;
     y->owner = yci_weave_carve(block, &used, 1, sizeof(yci_context));
     y->layout = (double(*)[3])yci_weave_carve(block, &used, y->node_count, sizeof *y->layout);
@@ -7123,6 +7138,7 @@ static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh) {
         y->triangle = (int *)yci_weave_carve(block, &used, y->node_count, sizeof *y->triangle);
     }
     y->visit_u = (double *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_u);
+    if (crimped) y->visit_height = (double *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_height);
     y->materials = (yc_yarn_material *)yci_weave_carve(block, &used, y->material_count, sizeof *y->materials);
     y->yarn_first = (int *)yci_weave_carve(block, &used, y->yarn_count + 1, sizeof *y->yarn_first);
     y->yarn_material = (int *)yci_weave_carve(block, &used, y->yarn_count, sizeof *y->yarn_material);
@@ -7171,6 +7187,11 @@ static void yci_weave_hold(const yci_weaver *w, yc_yarns *y) {
     }
 }
 
+/* The side of its node on which a visit passes at rest, m. */
+static double yci_visit_rise(const yc_yarns *y, int visit) {
+    return y->visit_height ? y->visit_height[visit] * y->visit_layer[visit] : 0.0;
+}
+
 static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *number) {
     int i, k, yarn = 0, visit = 0;
     for (i = 0; i < w->span_count; i++) {
@@ -7184,16 +7205,18 @@ static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *nu
                 k < before || k - before == span->count ? NULL : &w->visits[span->first + k - before];
             int old = at ? at->node : span->tip[k >= before], node = number[old];
             y->visit_node[visit] = node;
+            if (w->nodes[old].visits == 2)
+                y->visit_layer[visit] =
+                    (signed char)(span->family == YC_WARP ? w->nodes[old].over : -w->nodes[old].over);
+            if (y->visit_height && y->visit_layer[visit]) y->visit_height[visit] = w->height[span->family];
             if (k == 0) y->visit_u[visit] = 0.0;
             else if (at && span->family == YC_ROD) y->visit_u[visit] = at->along - w->visits[span->first].along;
             else {
                 double step[3];
                 yci_sub(step, y->layout[node], y->layout[y->visit_node[visit - 1]]);
+                step[2] = sqrt(YCI_CRIMP_KAPPA) * (yci_visit_rise(y, visit) - yci_visit_rise(y, visit - 1));
                 y->visit_u[visit] = y->visit_u[visit - 1] + yci_norm(step);
             }
-            if (w->nodes[old].visits == 2)
-                y->visit_layer[visit] =
-                    (signed char)(span->family == YC_WARP ? w->nodes[old].over : -w->nodes[old].over);
             y->visit_held[visit] = span->family == YC_ROD || w->nodes[old].visits == 1 || k == 0 || k == count - 1;
         }
         yarn++;
@@ -7204,7 +7227,7 @@ static void yci_weave_fill_yarns(const yci_weaver *w, yc_yarns *y, const int *nu
 static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
     yc_yarns y;
     char *block;
-    int *number, rods, i;
+    int *number, rods, i, crimped = w->desc->crimp[0] > 0.0 || w->desc->crimp[1] > 0.0;
     memset(&y, 0, sizeof y);
     for (i = 0; i < w->node_count; i++) y.node_count += w->nodes[i].visits > 0;
     for (i = 0; i < w->span_count; i++) {
@@ -7219,13 +7242,13 @@ static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
     rods = w->desc->rod.density > 0.0;
     y.material_count = 2 + rods + w->desc->material_count;
     number = YCI_NEW(w->c, int, w->node_count);
-    block = (char *)yci_alloc(w->c, yci_weave_arrays(&y, NULL, on_mesh), 1);
+    block = (char *)yci_alloc(w->c, yci_weave_arrays(&y, NULL, on_mesh, crimped), 1);
     if (!number || !block) {
         yci_free(w->c, number);
         yci_free(w->c, block);
         return yci_out_of_memory(w->c, "a yarn network");
     }
-    yci_weave_arrays(&y, block, on_mesh);
+    yci_weave_arrays(&y, block, on_mesh, crimped);
     y.materials[0] = w->desc->warp, y.materials[1] = w->desc->weft;
     for (i = 0; i < w->desc->material_count; i++) y.materials[2 + rods + i] = w->desc->materials[i];
     for (i = 0; i < y.material_count; i++) yci_yarn_bundle(&y.materials[i], w->desc->bundle);
@@ -7236,6 +7259,21 @@ static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
     yci_free(w->c, number);
     *out = y;
     return YC_OK;
+}
+
+/* How far a family's yarns pass from their crossings: see Crimp at the chapter's head. */
+static double yci_weave_height(const yci_weaver *w, int family) {
+    const int *n = w->repeat;
+    int r, c, turns = 0;
+    double length;
+    for (r = 0; r < n[1]; r++)
+        for (c = 0; c < n[0]; c++) {
+            int next = family == YC_WARP ? (r + 1) % n[1] * n[0] + c : r * n[0] + (c + 1) % n[0];
+            turns += !w->draft[r * n[0] + c] != !w->draft[next];
+        }
+    if (!turns) return 0.0;
+    length = 1.0 + w->desc->crimp[family] * n[0] * n[1] / turns; /* where the yarn changes sides, in spacings */
+    return 0.5 * w->desc->spacing[!family] * sqrt((length * length - 1.0) / YCI_CRIMP_KAPPA);
 }
 
 static yc_result yci_weave_lay(yci_weaver *w, int on_mesh, yc_yarns *out) {
@@ -7287,6 +7325,7 @@ static yc_result yci_weave_run(yci_context *c, const yc_weave_desc *desc, const 
     w.draft = desc->draft ? desc->draft : plain;
     w.repeat[0] = desc->draft ? desc->repeat[0] : 2, w.repeat[1] = desc->draft ? desc->repeat[1] : 2;
     w.turn[0] = cos(desc->grain), w.turn[1] = sin(desc->grain);
+    for (k = 0; k < 2; k++) w.height[k] = yci_weave_height(&w, k);
     return yci_weave_lay(&w, mesh != NULL, out);
 }
 
@@ -8230,6 +8269,13 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
  *                vanishes between two steps. It acts far below any touching distance. Projected is exact.
  *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where
  *                it slips, the parabola that touches from above: with the exact zero Newton would overshoot forever.
+ *   turning      the friction law of phi in place of u, k in N m, limit = mu lambda (2/3) rho: the moment of a pressure
+ *                lambda spread evenly over a disc of radius rho. Projected as friction and shear are.
+ * With crimp u is the true length of a yarn that passes its nodes at heights y, and
+ *   stretch      is the same with l^2 = |x_j - x_i|^2 + kappa (y_b - y_a)^2, a distance in four dimensions, kappa = 9/8
+ *                (Peirce 1937, see chapter fabric).
+ *   kink         k (t - t_0)^2 / (du_- + du_+), t = (y_b - y_a)/du_- - (y_c - y_b)/du_+ the difference of the slopes.
+ *                Projected keeps the positive part of f' hess t on either side; it is exact where t = t_0.
  *
  * The energies of an angle f(phi) share one Hessian. With unit edges a, b of lengths l1, l2, in-plane normals n1 (of a,
  * towards b) and n2 (of b, towards a) and the binormal m, grad phi = (-n1/l1, -n2/l2) and
@@ -8303,6 +8349,121 @@ YC_FN double yci_yarn_stretch(
         }
     }
     return du * density;
+}
+
+/* -- stretch with crimp: q = (x_i, x_j, u_a, u_b, y_a, y_b) -------------------------------------------------------- */
+
+/* The unit vector in four dimensions from one visit to the next; returns their distance. */
+YC_FN double yci_yarn_crimp_direction(double *t, const double *q) {
+    double l;
+    yci_sub(t, q + 3, q);
+    t[3] = sqrt(YCI_CRIMP_KAPPA) * (q[9] - q[8]);
+    l = sqrt(yci_dot(t, t) + t[3] * t[3]);
+    for (int i = 0; i < 4; i++) t[i] = l > 1e-150 ? t[i] / l : i == 0;
+    return l;
+}
+
+YC_FN double yci_yarn_crimp_strain(const double *q) {
+    double t[4];
+    return yci_yarn_crimp_direction(t, q) / (q[7] - q[6]) - 1.0;
+}
+
+/* The tension after the step dq, by the linear model. */
+YC_FN double yci_yarn_crimp_predict(const double *q, const double *dq, double k, double r, double s_prev) {
+    double t[4], e[3], du = q[7] - q[6], s = yci_yarn_crimp_direction(t, q) / du - 1.0, rate;
+    yci_sub(e, dq + 3, dq);
+    rate = (yci_dot(t, e) + sqrt(YCI_CRIMP_KAPPA) * t[3] * (dq[9] - dq[8]) - (s + 1.0) * (dq[7] - dq[6])) / du;
+    return k * (s + rate + r * (s + rate - s_prev));
+}
+
+YC_FN double yci_yarn_crimp(
+    const double *q, double k, double r, double s_prev, const double *tension, double *g, double *h, int projected) {
+    double t[4], v[10], du = q[7] - q[6], l = yci_yarn_crimp_direction(t, q);
+    double s = l / du - 1.0, rate = s - s_prev, density = 0.5 * k * (s * s + r * rate * rate), slope;
+    slope = k * (s + r * rate);
+    yci_scale(v, t, -1.0), yci_copy(v + 3, t); /* the gradient of l; of u further down */
+    v[6] = v[7] = 0.0;
+    v[9] = sqrt(YCI_CRIMP_KAPPA) * t[3], v[8] = -v[9];
+    if (g) {
+        for (int i = 0; i < 10; i++) g[i] = slope * v[i];
+        g[7] = density - (s + 1.0) * slope, g[6] = -g[7];
+    }
+    if (h) {
+        double along = k * (1.0 + r) / du, across = (tension ? *tension : slope) / yci_max(l, YCI_YARN_SHORTEST);
+        if (projected) across = yci_max(across, 0.0);
+        for (int i = 0; i < 10; i++) {
+            for (int j = 0; j < 10; j++) h[10 * i + j] = (along - across) * v[i] * v[j];
+        }
+        for (int i = 0; i < 3; i++) {
+            h[11 * i] += across, h[11 * (i + 3)] += across;
+            h[10 * i + i + 3] -= across, h[10 * (i + 3) + i] -= across;
+        }
+        h[88] += across * YCI_CRIMP_KAPPA, h[99] += across * YCI_CRIMP_KAPPA;
+        h[89] -= across * YCI_CRIMP_KAPPA, h[98] -= across * YCI_CRIMP_KAPPA;
+        for (int i = 0; i < 10; i++) {
+            double c = along * (s + 1.0) * v[i];
+            h[10 * i + 6] += c, h[60 + i] += c;
+            h[10 * i + 7] -= c, h[70 + i] -= c;
+        }
+        slope = along * (s + 1.0) * (s + 1.0);
+        h[66] += slope, h[77] += slope, h[67] -= slope, h[76] -= slope;
+    }
+    return du * density;
+}
+
+/* -- kink of a crimped yarn: q = (y_a, y_b, y_c, u_a, u_b, u_c) ---------------------------------------------------- */
+
+/* The stiffness of a beam over its crossings, as a multiple of EI, from the kinks t at rest: the three-moment equation
+ * M_a + 4 M_b + M_c = 6 EI t_b/du, with M in proportion to t, gives M_b = f EI t_b/du and an energy (1/2) M_b t_b. 3
+ * where kinks alternate, 3/2 where one stands alone, 1 in a long wave and where there is none. */
+YC_FN double yci_yarn_kink_factor(double before, double here, double after) {
+    if (fabs(here) <= 1e-9 * (fabs(before) + fabs(after))) return 1.0;
+    return 6.0 / yci_clamp(4.0 + (before + after) / here, 2.0, 6.0);
+}
+
+YC_FN double yci_yarn_kink_strain(const double *q) {
+    return (q[1] - q[0]) / (q[4] - q[3]) - (q[2] - q[1]) / (q[5] - q[4]);
+}
+
+YC_FN double yci_yarn_kink(
+    const double *q, double k, double t_0, double r, double t_prev, double *g, double *h, int projected) {
+    double a = 1.0 / (q[4] - q[3]), b = 1.0 / (q[5] - q[4]), du = q[5] - q[3];
+    double before = (q[1] - q[0]) * a, after = (q[2] - q[1]) * b, t = before - after; /* slopes */
+    double s = t - t_0, rate = t - t_prev, f = k * (s * s + r * rate * rate), df = 2.0 * k * (s + r * rate);
+    double v[6]; /* the gradient of t */
+    v[0] = -a, v[1] = a + b, v[2] = -b;
+    v[3] = before * a, v[5] = after * b, v[4] = -v[3] - v[5];
+    if (g) {
+        for (int i = 0; i < 6; i++) g[i] = df / du * v[i];
+        g[3] += f / (du * du), g[5] -= f / (du * du);
+    }
+    if (h) {
+        double cross = df / (du * du), end = 2.0 * f / (du * du * du);
+        for (int i = 0; i < 6; i++) {
+            for (int j = 0; j < 6; j++) h[6 * i + j] = 2.0 * k * (1.0 + r) / du * v[i] * v[j];
+        }
+        for (int i = 0; i < 6; i++) {
+            h[6 * i + 3] += cross * v[i], h[18 + i] += cross * v[i];
+            h[6 * i + 5] -= cross * v[i], h[30 + i] -= cross * v[i];
+        }
+        h[21] += end, h[35] += end, h[23] -= end, h[33] -= end;
+        /* f' hess t: that of a slope dy/du is [0, -1; -1, 2 slope]/du^2, its positive part in closed form. */
+        for (int side = 0; side < 2; side++) {
+            double inverse = side ? b : a, slope = side ? after : before, sign = side == (df > 0.0) ? -1.0 : 1.0;
+            double c = fabs(df) / du * inverse * inverse, m11 = 0.0, m12 = -sign * c, m22 = 2.0 * sign * slope * c;
+            if (projected) {
+                double root = sign * slope + sqrt(slope * slope + 1.0);
+                m11 = c * root / (1.0 + root * root), m12 = -sign * root * m11, m22 = root * root * m11;
+            }
+            for (int i = 0; i < 4; i++) {
+                int row = side + i / 2, column = side + i % 2;
+                double same = i % 3 ? -1.0 : 1.0;
+                h[6 * row + column] += same * m11, h[6 * (row + 3) + column + 3] += same * m22;
+                h[6 * row + column + 3] += same * m12, h[6 * (row + 3) + column] += same * m12;
+            }
+        }
+    }
+    return f / du;
 }
 
 /* -- gravity: q = (x_i, x_j, u_a, u_b), rho in kg/m ---------------------------------------------------------------- */
@@ -8511,6 +8672,19 @@ YC_FN double yci_yarn_friction_anchor(double u, double anchor, double k, double 
     return u < anchor ? u + limit / k : u - limit / k;
 }
 
+/* -- friction of turning: q = (x_i, x_j, x_k) as for shear, the anchor an angle from phi_0 ------------------------- */
+
+YC_FN double yci_yarn_turn(
+    const double *q, double phi_0, double anchor, double k, double limit, double *g, double *h, int projected) {
+    double c1[3] = {-1.0, 1.0, 0.0}, c2[3] = {-1.0, 0.0, 1.0}, e1[3], e2[3], f, df, ddf;
+    yci_yarn_angle angle;
+    yci_sub(e1, q + 3, q), yci_sub(e2, q + 6, q);
+    yci_yarn_angle_make(&angle, e1, e2);
+    f = yci_yarn_friction(angle.phi - phi_0, anchor, k, limit, &df, &ddf, projected);
+    if (g || h) yci_yarn_angle_derivatives(&angle, c1, c2, df, ddf, g, h, 9, projected);
+    return f;
+}
+
 /* -- compression --------------------------------------------------------------------------------------------------- */
 
 /* Force in N of one yarn on its offset centre line at the middle one of five visits: tension of the two segments there
@@ -8547,7 +8721,12 @@ YC_FN double yci_yarn_compression(const double *low, const double *high, const d
 
 /* -- kinetic ------------------------------------------------------------------------------------------------------- */
 
-/* Adds the lumped inertia of half a segment to the block (n x n, n = 3 + visits) of its node: (1/2) m |x' - w u'|^2
+/* Lumped, not consistent (a sixth of the segment's mass between its nodes): the frequencies of waves of n segments come
+ * out low by (pi / n)^2 / 6 with it and high by as much with the other, 1.6 % at 10, which is less than what backward
+ * Euler takes of them unless steps are a thirtieth of a period; only free ends of a few segments swing better with the
+ * other, and chapter mixed needs blocks.
+ *
+ * Adds the lumped inertia of half a segment to the block (n x n, n = 3 + visits) of its node: (1/2) m |x' - w u'|^2
  * with m = rho du/2 and w = (x_j - x_i)/du, and 1e-3 m on the diagonal of u, the floor for a compressed segment's w
  * near 0. */
 YC_FN void yci_yarn_inertia(double m, const double *w, int visit, int n, double *block) {
@@ -11074,8 +11253,8 @@ static yc_result yci_system_factor(yci_system *s) {
  *     E(q) = 1/(2h^2) |q - q_n - h v_n|^2_M + c/(2h) |q - q_n|^2_M + V(q),   v = (q - q_n)/h,
  *
  * c the mass damping, M the mass at q_n (its derivative is dropped, as in MIX 4.2), V all elastic, gravity, damping,
- * contact and friction terms; friction and compression are lagged: their normal forces are those of q_n. A sub-step ends
- * no higher in E than it began, so any step size stays finite; one that fails is restored and halved.
+ * contact and friction terms; friction and compression are lagged: their normal forces are those of q_n. A sub-step
+ * ends no higher in E than it began, so any step size stays finite; one that fails is restored and halved.
  *
  * Newton, with positive semidefinite element Hessians. Where a stiff segment of length l turns by a, the linear step
  * makes it longer by l a^2 / 2, and the tension of that, were it let into the Hessian, would all but forbid to turn any
@@ -11089,6 +11268,19 @@ static yc_result yci_system_factor(yci_system *s) {
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
  * layout's for any alpha.
+ *
+ * Crimp. Where visit_height is given, every crossing of full nodes has one more unknown, z: both its yarns touch, so
+ * they move along the contact's normal together, to heights y = layer height + z. Pulling a yarn flattens it and
+ * presses the crossing ones into waves: crimp interchange. z is a scalar, so that rigid motion leaves it alone, and has
+ * the inertia (1/2) m z'^2 of its node, the part of both yarns' kinetic energy that is transverse (the product with
+ * x', which alternates along a yarn, is left out). Lone visits and rods lie at height 0; z is held at hybrid and at
+ * pinned nodes.
+ *
+ * Pressure lambda of a crossing's yarns on each other, >= 0, lagged: preload, and what the state adds. With crimp that
+ * is half of what the elements of the upper yarn push it down with and those of the lower one up, -dV/dy of each alone
+ * (both are equal where z is free and at rest); without, it is as in chapter yarn (YARN 4.3). It bounds the friction of
+ * sliding (YARN 4.4), mu lambda, and that of turning: each of the four pairs of neighbouring segments has a quarter of
+ * a spring k_f rho^2 and of its limit mu lambda (2/3) rho, rho the mean radius.
  * ===================================================================================================================== */
 
 /* ---- what is held ---- */
@@ -11098,6 +11290,7 @@ typedef struct yci_cloth {
     yc_yarns yarns;     /* likewise */
     void *memory;
     int vertex, node, visit, triangle; /* first of each in the scene */
+    int height, turn; /* first of its nodes among those with z, with anchors of turning; -1: it has none */
 } yci_cloth;
 
 typedef struct yci_seam {
@@ -11119,19 +11312,32 @@ typedef struct yci_bend {
     int a, b, c;
     double stiffness, previous;
 } yci_bend;
+typedef struct yci_kink {
+    int a, b, c;
+    double stiffness, rest, previous;
+} yci_kink;
 typedef struct yci_shear {
     int node[3];
     double stiffness, length, rest, limit, previous;
 } yci_shear;
+/* The friction of a shear's angle: a spring of N m about its anchor, which holds reach times the rub's limit. */
+typedef struct yci_turn {
+    int rub, anchor; /* -1: none */
+    double stiffness, reach;
+} yci_turn;
 typedef struct yci_adjacent {
     int a, b;
     double stiffness, distance, hardness, floor;
 } yci_adjacent;
-/* mate and yarn are numbers of the cloth's network, the sliding yarn's first. */
 typedef struct yci_slide {
-    int visit, cloth, mate[2], yarn[2];
-    double stiffness, friction, limit;
+    int visit, rub; /* -1: none */
+    double stiffness;
 } yci_slide;
+/* A crossing with friction, by numbers of its cloth's network; limit = mu lambda. */
+typedef struct yci_rub {
+    int cloth, visit[2], yarn[2];
+    double friction, preload, limit;
+} yci_rub;
 typedef struct yci_face {
     int node[3];
     yci_membrane rest;
@@ -11163,6 +11369,7 @@ typedef struct yci_grip {
 enum {
     YCI_SEGMENT,
     YCI_BEND,
+    YCI_KINK,
     YCI_SHEAR,
     YCI_ADJACENT,
     YCI_SLIDE,
@@ -11201,15 +11408,24 @@ typedef struct yci_model {
     int *system_node;    /* [nodes], node of the linear system; -1: none; -2 - k: pinned, number k */
     int *node_of;        /* [system nodes] */
     int *visit_slot;     /* [visits], the component of u in its node's block; -1: held */
-    double *mass;        /* [nodes], kg, of translation */
-    double *mass_fixed;  /* [nodes], the part of it that no sliding changes */
-    double *reaction;    /* [3 pinned], N; behind the vectors from dof */
+    /* Crimp; NULL where the scene has none. */
+    int *height_of;     /* [visits], number of the node's z; -1: none */
+    int *height_slot;   /* [heights], the component of z in its node's block; -1: held */
+    int *height_node;   /* [heights] */
+    double *lift;       /* [visits], m, y at rest */
+    double *thrust;     /* [visits], N, dV/dy of the yarn alone; lagged */
+    double *mass;       /* [nodes], kg, of translation */
+    double *mass_fixed; /* [nodes], the part of it that no sliding changes */
+    double *reaction;   /* [3 pinned], N; behind the vectors from dof */
     int pinned;
     YCI_ARRAY(yci_segment, segment);
     YCI_ARRAY(yci_bend, bend);
+    YCI_ARRAY(yci_kink, kink);
     YCI_ARRAY(yci_shear, shear);
+    YCI_ARRAY(yci_turn, turn); /* one for each shear; none in a scene without friction */
     YCI_ARRAY(yci_adjacent, adjacent);
     YCI_ARRAY(yci_slide, slide);
+    YCI_ARRAY(yci_rub, rub);
     YCI_ARRAY(yci_face, face);
     YCI_ARRAY(yci_hinge, hinge);
     YCI_ARRAY(yci_stitch, stitch);
@@ -11244,20 +11460,23 @@ struct yc_scene {
     YCI_ARRAY(yci_body_sdf, body);
     /* topology of all cloths together */
     int vertices, nodes, visits, triangles; /* nodes: vertices and, behind them, yarn nodes */
+    int heights, turns;                     /* yarn nodes of the cloths with crimp; of those with friction */
     int *triangle;                          /* [3 triangles], scene vertices, welded */
     int *weld;                              /* [vertices], the lowest vertex welded with it */
     int *visit_node;                        /* [visits] */
     /* state */
     double *x, *velocity;       /* [3 nodes] */
     double *u, *slide, *anchor; /* [visits]: u, its velocity, its friction anchor */
+    double *z, *rise;           /* [heights]: z, its velocity */
+    double *turn;               /* [4 turns], rad: friction anchors of a crossing's pairs, from their rest angles */
     unsigned char *pin;         /* [nodes] */
     double *goal;               /* [3 nodes], where a pin draws its node over the next step */
     unsigned char *welded;      /* [seams] */
     yci_pose *pose;             /* [2 bodies]: where each is, where the next step takes it */
     double time, dt;            /* s; the sub-step that control has settled on */
     /* scratch of the state's size */
-    double *x_n, *u_n; /* before the sub-step */
-    yci_model *model;  /* NULL: to be built */
+    double *x_n, *u_n, *z_n; /* before the sub-step */
+    yci_model *model;        /* NULL: to be built */
 };
 
 /* ---- descriptors ---- */
@@ -11366,8 +11585,10 @@ static void yci_model_destroy(yc_scene *s) {
     yci_free(c, m->role), yci_free(c, m->share), yci_free(c, m->held), yci_free(c, m->holder),
         yci_free(c, m->system_node), yci_free(c, m->node_of);
     yci_free(c, m->visit_slot), yci_free(c, m->mass), yci_free(c, m->mass_fixed);
-    yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->shear), yci_free(c, m->adjacent),
-        yci_free(c, m->slide);
+    yci_free(c, m->height_of), yci_free(c, m->height_slot), yci_free(c, m->height_node), yci_free(c, m->lift),
+        yci_free(c, m->thrust);
+    yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear), yci_free(c, m->turn),
+        yci_free(c, m->adjacent), yci_free(c, m->slide), yci_free(c, m->rub);
     yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
     yci_free(c, m->grip), yci_free(c, m->edge), yci_free(c, m->ball), yci_free(c, m->face_node),
         yci_pairs_free(c, &m->pairs);
@@ -11399,7 +11620,8 @@ YC_API void yc_scene_destroy(yc_scene *s) {
     yci_free(&s->c, s->triangle), yci_free(&s->c, s->weld), yci_free(&s->c, s->visit_node);
     yci_free(&s->c, s->x), yci_free(&s->c, s->velocity), yci_free(&s->c, s->u), yci_free(&s->c, s->slide);
     yci_free(&s->c, s->anchor), yci_free(&s->c, s->pin), yci_free(&s->c, s->goal), yci_free(&s->c, s->welded);
-    yci_free(&s->c, s->pose), yci_free(&s->c, s->x_n), yci_free(&s->c, s->u_n);
+    yci_free(&s->c, s->pose), yci_free(&s->c, s->x_n), yci_free(&s->c, s->u_n), yci_free(&s->c, s->z_n);
+    yci_free(&s->c, s->z), yci_free(&s->c, s->rise), yci_free(&s->c, s->turn);
     c = s->c;
     yci_free(&c, s);
 }
@@ -11519,6 +11741,7 @@ static size_t yci_cloth_pack(yci_cloth *out, const yc_cloth_desc *d, char *block
         out->yarns.yarn_material = (int *)yci_pack(block, &at, y->yarn_material, yarns, sizeof(int));
         out->yarns.visit_node = (int *)yci_pack(block, &at, y->visit_node, visits, sizeof(int));
         out->yarns.visit_u = (double *)yci_pack(block, &at, y->visit_u, visits, sizeof(double));
+        out->yarns.visit_height = (double *)yci_pack(block, &at, y->visit_height, visits, sizeof(double));
         out->yarns.visit_layer = (signed char *)yci_pack(block, &at, y->visit_layer, visits, 1);
         out->yarns.visit_held = (unsigned char *)yci_pack(block, &at, y->visit_held, visits, 1);
         out->yarns.materials =
@@ -11569,11 +11792,18 @@ static void yci_scene_shift_nodes(yc_scene *s, int shift) {
     for (i = 0; i < s->cloth_count; i++) s->cloth[i].node += shift;
 }
 
+static int yci_yarns_rub(const yc_yarns *y) {
+    int i;
+    for (i = 0; i < y->material_count; i++)
+        if (y->materials[i].friction > 0.0) return 1;
+    return 0;
+}
+
 YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int *handle) {
     yci_context *c = &s->c;
     yci_cloth cloth;
-    yci_grow grow[13];
-    int vertices, nodes = 0, visits = 0, n = 0;
+    yci_grow grow[17];
+    int vertices, nodes = 0, visits = 0, heights = 0, turns = 0, n = 0;
     yc_result result = yci_cloth_check(c, desc);
     if (result != YC_OK) return result;
     memset(&cloth, 0, sizeof cloth);
@@ -11581,7 +11811,10 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
     if (!cloth.memory) return yci_out_of_memory(c, "the cloth");
     yci_cloth_pack(&cloth, desc, (char *)cloth.memory);
     vertices = desc->mesh.vertex_count;
-    if (desc->yarns) nodes = desc->yarns->node_count, visits = desc->yarns->visit_count;
+    if (desc->yarns) {
+        nodes = desc->yarns->node_count, visits = desc->yarns->visit_count;
+        heights = desc->yarns->visit_height ? nodes : 0, turns = yci_yarns_rub(desc->yarns) ? nodes : 0;
+    }
     grow[n++] = yci_grow_item(&s->cloth, s->cloth_count, 1, 1, sizeof *s->cloth);
     grow[n++] = yci_grow_item(&s->triangle, s->triangles, desc->mesh.triangle_count, 3, sizeof(int));
     grow[n++] = yci_grow_item(&s->weld, s->vertices, vertices, 1, sizeof(int));
@@ -11593,6 +11826,10 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
     grow[n++] = yci_grow_item(&s->u, s->visits, visits, 1, sizeof(double));
     grow[n++] = yci_grow_item(&s->slide, s->visits, visits, 1, sizeof(double));
     grow[n++] = yci_grow_item(&s->anchor, s->visits, visits, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->z, s->heights, heights, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->z_n, s->heights, heights, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->rise, s->heights, heights, 1, sizeof(double));
+    grow[n++] = yci_grow_item(&s->turn, s->turns, turns, 4, sizeof(double));
     grow[n++] = yci_grow_item(&s->pin, s->nodes, vertices + nodes, 1, 1);
     grow[n++] = yci_grow_item(&s->goal, s->nodes, vertices + nodes, 3, sizeof(double));
     if (!yci_grow_acquire(c, grow, n)) {
@@ -11602,9 +11839,9 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
     yci_grow_commit(c, grow, n);
     yci_scene_shift_nodes(s, vertices);
     cloth.vertex = s->vertices, cloth.node = s->nodes + vertices, cloth.visit = s->visits,
-    cloth.triangle = s->triangles;
-    s->vertices += vertices, s->nodes += vertices + nodes, s->visits += visits,
-        s->triangles += desc->mesh.triangle_count;
+    cloth.triangle = s->triangles, cloth.height = heights ? s->heights : -1, cloth.turn = turns ? s->turns : -1;
+    s->heights += heights, s->turns += turns, s->vertices += vertices, s->nodes += vertices + nodes,
+        s->visits += visits, s->triangles += desc->mesh.triangle_count;
     s->cloth[s->cloth_count] = cloth;
     yci_cloth_start(s, s->cloth + s->cloth_count, desc);
     if (handle) *handle = s->cloth_count;
@@ -11962,8 +12199,29 @@ static int yci_build_segment(const yci_build *b, int yarn, int a) {
 
 /* The two visits of a crossing: of the other yarn at a node, and both yarns' numbers. Filled once per cloth. */
 typedef struct yci_crossing {
-    int visit[2], yarn[2], count;
+    int visit[2], yarn[2], count, rub;
 } yci_crossing;
+
+/* The kink of a yarn at rest. */
+static double yci_build_rest_kink(const yci_build *b, int yarn, int visit) {
+    const yc_yarns *y = b->yarns;
+    double q[6];
+    int k;
+    if (visit <= y->yarn_first[yarn] || visit >= y->yarn_first[yarn + 1] - 1) return 0.0;
+    for (k = 0; k < 3; k++) q[k] = yci_visit_rise(y, visit + k - 1), q[3 + k] = y->visit_u[visit + k - 1];
+    return yci_yarn_kink_strain(q);
+}
+
+static int yci_build_kink(const yci_build *b, int yarn, int visit, double alpha) {
+    double before = yci_build_rest_kink(b, yarn, visit - 1), here = yci_build_rest_kink(b, yarn, visit),
+           after = yci_build_rest_kink(b, yarn, visit + 1);
+    yci_kink *e = YCI_PUSH(b, kink);
+    if (!e) return 0;
+    e->a = b->cloth->visit + visit - 1, e->b = e->a + 1, e->c = e->a + 2;
+    e->stiffness = alpha * yci_yarn_of(b, yarn)->crimp_bending * yci_yarn_kink_factor(before, here, after);
+    e->rest = e->previous = here;
+    return 1;
+}
 
 static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *crossing) {
     const yc_yarns *y = b->yarns;
@@ -11974,11 +12232,15 @@ static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *cros
         int active = yci_build_active(b, a) && yci_build_active(b, a + 1), base = b->cloth->visit + a;
         double alpha, touching;
         if (!yci_build_segment(b, yarn, a)) return 0;
-        if (active && a + 2 <= last && yci_build_active(b, a + 2) && material->bending > 0.0) {
-            yci_bend *e = YCI_PUSH(b, bend);
-            if (!e) return 0;
+        if (active && a + 2 <= last && yci_build_active(b, a + 2)) {
             alpha = yci_raise((yci_build_share(b, a) + yci_build_share(b, a + 1) + yci_build_share(b, a + 2)) / 3.0);
-            e->a = base, e->b = base + 1, e->c = base + 2, e->stiffness = alpha * material->bending, e->previous = 0.0;
+            if (material->bending > 0.0) {
+                yci_bend *e = YCI_PUSH(b, bend);
+                if (!e) return 0;
+                e->a = base, e->b = base + 1, e->c = base + 2;
+                e->stiffness = alpha * material->bending, e->previous = 0.0;
+            }
+            if (y->visit_height && !yci_build_kink(b, yarn, a + 1, alpha)) return 0;
         }
         if (active && (b->m->visit_slot[base] >= 0 || b->m->visit_slot[base + 1] >= 0)) {
             yci_adjacent *e = YCI_PUSH(b, adjacent);
@@ -12002,14 +12264,16 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
     const yc_yarns *y = b->yarns;
     const yci_crossing *here = crossing + node;
     const yc_yarn_material *p, *q;
+    double rho;
     int i, k;
     if (here->count != 2 || y->yarn_family[here->yarn[0]] + y->yarn_family[here->yarn[1]] != YC_WARP + YC_WEFT)
         return 1;
-    p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]);
+    p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]), rho = 0.5 * (p->radius + q->radius);
     for (i = 0; i < 4; i++) {
         int node_of[3], visit, ends = 0;
         double q9[9], e1[3], e2[3], alpha = 0.0;
         yci_shear *e;
+        yci_turn *turn;
         node_of[0] = node;
         for (k = 0; k < 2; k++) {
             visit = here->visit[k] + ((i >> k) & 1 ? 1 : -1);
@@ -12021,7 +12285,7 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
             yci_copy(q9 + 3 * k, y->layout[node_of[k]]);
             alpha += b->m->share[b->cloth->node + node_of[k]] / 3.0;
         }
-        if (k < 3 || p->shear + q->shear <= 0.0) continue;
+        if (k < 3 || (p->shear + q->shear <= 0.0 && here->rub < 0)) continue;
         e = YCI_PUSH(b, shear);
         if (!e) return 0;
         for (k = 0; k < 3; k++) e->node[k] = b->cloth->node + node_of[k];
@@ -12030,6 +12294,12 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
         e->stiffness = yci_raise(alpha) * 0.5 * (p->shear + q->shear),
         e->limit = yci_min(p->shear_limit, q->shear_limit);
         e->rest = yci_yarn_shear_strain(q9), e->previous = e->rest;
+        if (!b->s->turns) continue;
+        turn = YCI_PUSH(b, turn);
+        if (!turn) return 0;
+        turn->rub = here->rub, turn->anchor = here->rub < 0 ? -1 : 4 * (b->cloth->turn + node) + i;
+        turn->stiffness = yci_raise(alpha) * 0.125 * (p->slide + q->slide) * rho * rho;
+        turn->reach = yci_raise(alpha) * rho / 6.0;
     }
     return 1;
 }
@@ -12057,20 +12327,48 @@ static void yci_build_slots(const yci_build *b, const yci_crossing *crossing) {
     }
 }
 
-static int yci_build_slides(const yci_build *b, const yci_crossing *crossing) {
-    int k, i;
-    for (k = 0; k < b->yarns->node_count; k++)
-        for (i = 0; i < crossing[k].count && crossing[k].count == 2; i++) {
-            const yc_yarn_material *p = yci_yarn_of(b, crossing[k].yarn[0]), *q = yci_yarn_of(b, crossing[k].yarn[1]);
-            int visit = b->cloth->visit + crossing[k].visit[i], j;
-            yci_slide *e;
-            if (b->m->visit_slot[visit] < 0) continue;
-            e = YCI_PUSH(b, slide);
-            if (!e) return 0;
-            for (j = 0; j < 2; j++) e->mate[j] = crossing[k].visit[i ^ j], e->yarn[j] = crossing[k].yarn[i ^ j];
-            e->visit = visit, e->cloth = (int)(b->cloth - b->s->cloth), e->stiffness = 0.5 * (p->slide + q->slide),
-            e->friction = 0.5 * (p->friction + q->friction), e->limit = 0.0;
-        }
+/* Which crossings have a z: those of full nodes whose yarns lie on each other. It comes behind the sliding visits. */
+static void yci_build_heights(const yci_build *b, const yci_crossing *crossing) {
+    const yc_yarns *y = b->yarns;
+    yci_model *m = b->m;
+    int k;
+    for (k = 0; k < y->visit_count; k++) {
+        m->lift[b->cloth->visit + k] = yci_visit_rise(y, k);
+        m->height_of[b->cloth->visit + k] = y->visit_height ? b->cloth->height + y->visit_node[k] : -1;
+    }
+    for (k = 0; y->visit_height && k < y->node_count; k++) {
+        const int *visit = crossing[k].visit, node = b->cloth->node + k, height = b->cloth->height + k;
+        m->height_node[height] = node, m->height_slot[height] = -1;
+        if (crossing[k].count == 2 && y->visit_layer[visit[0]] && y->visit_layer[visit[1]] &&
+            m->role[node] == YCI_FULL && !m->held[node])
+            m->height_slot[height] =
+                3 + (m->visit_slot[b->cloth->visit + visit[0]] >= 0) + (m->visit_slot[b->cloth->visit + visit[1]] >= 0);
+    }
+}
+
+/* The slides of a crossing, and its rub where it has friction: that of sliding and of turning. */
+static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
+    const yc_yarn_material *p, *q;
+    int i;
+    here->rub = -1;
+    if (here->count != 2 || b->m->role[b->cloth->node + node] == YCI_IDLE) return 1;
+    p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]);
+    if (p->friction + q->friction > 0.0) {
+        yci_rub *e = YCI_PUSH(b, rub);
+        if (!e) return 0;
+        here->rub = b->m->rub_count - 1;
+        for (i = 0; i < 2; i++) e->visit[i] = here->visit[i], e->yarn[i] = here->yarn[i];
+        e->cloth = (int)(b->cloth - b->s->cloth), e->friction = 0.5 * (p->friction + q->friction);
+        e->preload = 0.5 * (p->preload + q->preload), e->limit = 0.0;
+    }
+    for (i = 0; i < 2; i++) {
+        int visit = b->cloth->visit + here->visit[i];
+        yci_slide *e;
+        if (b->m->visit_slot[visit] < 0) continue;
+        e = YCI_PUSH(b, slide);
+        if (!e) return 0;
+        e->visit = visit, e->rub = here->rub, e->stiffness = 0.5 * (p->slide + q->slide);
+    }
     return 1;
 }
 
@@ -12085,9 +12383,10 @@ static int yci_build_yarns(yci_build *b) {
             at->visit[at->count] = visit, at->yarn[at->count++] = yarn;
         }
     if (ok) yci_build_slots(b, crossing);
+    if (ok && b->m->height_of) yci_build_heights(b, crossing);
     for (yarn = 0; ok && yarn < y->yarn_count; yarn++) ok = yci_build_yarn(b, yarn, crossing);
+    for (node = 0; ok && node < y->node_count; node++) ok = yci_build_slides(b, crossing + node, node);
     for (node = 0; ok && node < y->node_count; node++) ok = yci_build_shear(b, crossing, node);
-    ok = ok && yci_build_slides(b, crossing);
     yci_free(c, crossing);
     return ok;
 }
@@ -12303,6 +12602,8 @@ static void yci_build_unknowns(yc_scene *s, yci_model *m, int *dim, int *count) 
     }
     for (i = 0; i < s->visits; i++)
         if (m->visit_slot[i] >= 0) dim[m->system_node[s->visit_node[i]]]++;
+    for (i = 0; i < s->heights; i++)
+        if (m->height_slot[i] >= 0) dim[m->system_node[m->height_node[i]]]++;
     *count = n;
 }
 
@@ -12328,6 +12629,11 @@ static size_t yci_build_couplings(const yc_scene *s, const yci_model *m, int (*p
     for (i = 0; i < m->bend_count; i++) {
         node[0] = s->visit_node[m->bend[i].a], node[1] = s->visit_node[m->bend[i].b],
         node[2] = s->visit_node[m->bend[i].c];
+        at = yci_build_couple(m, node, 3, pairs, at);
+    }
+    for (i = 0; i < m->kink_count; i++) {
+        node[0] = s->visit_node[m->kink[i].a], node[1] = s->visit_node[m->kink[i].b],
+        node[2] = s->visit_node[m->kink[i].c];
         at = yci_build_couple(m, node, 3, pairs, at);
     }
     for (i = 0; i < m->shear_count; i++) at = yci_build_couple(m, m->shear[i].node, 3, pairs, at);
@@ -12552,6 +12858,12 @@ static yc_result yci_scene_build(yc_scene *s) {
     m->mass_fixed = YCI_NEW(c, double, s->nodes), m->local = YCI_NEW(c, yci_local, YCI_CHUNK);
     ok = m->held && m->holder && m->role && m->share && m->system_node && m->node_of && m->visit_slot && m->mass &&
         m->mass_fixed && m->local;
+    if (ok && s->heights) {
+        m->height_of = YCI_NEW(c, int, s->visits), m->lift = YCI_NEW(c, double, s->visits),
+        m->thrust = YCI_NEW(c, double, s->visits);
+        m->height_slot = YCI_NEW(c, int, s->heights), m->height_node = YCI_NEW(c, int, s->heights);
+        ok = m->height_of && m->lift && m->thrust && m->height_slot && m->height_node;
+    }
     if (ok) yci_build_roles(s, m), yci_build_drop_loners(s, m), yci_build_holders(s, m);
     for (i = 0; ok && i < s->cloth_count; i++) {
         b.cloth = s->cloth + i, b.yarns = yci_cloth_yarns(b.cloth);
@@ -12600,6 +12912,26 @@ static void yci_local_slide(const yc_scene *s, yci_local *out, double *q, int sl
     out->dofs++;
 }
 
+/* Whether a visit's yarn undulates. */
+static int yci_crimped(const yci_model *m, int visit) { return m->height_of && m->height_of[visit] >= 0; }
+
+/* Appends y of a visit likewise: it varies as z does. */
+static void yci_local_rise(const yc_scene *s, yci_local *out, double *q, int slot, int visit) {
+    int height = s->model->height_of[visit];
+    q[out->dofs] = s->model->lift[visit] + s->z[height];
+    out->slot[out->dofs] = (signed char)slot, out->comp[out->dofs] = (signed char)s->model->height_slot[height];
+    out->dofs++;
+}
+
+/* The unknowns of a kink. */
+static void yci_local_kink(const yc_scene *s, yci_local *out, double *q, const int *visit) {
+    int i;
+    out->nodes = 3, out->points = out->dofs = 0;
+    for (i = 0; i < 3; i++) out->node[i] = s->visit_node[visit[i]];
+    for (i = 0; i < 3; i++) yci_local_rise(s, out, q, i, visit[i]);
+    for (i = 0; i < 3; i++) yci_local_slide(s, out, q, i, visit[i]);
+}
+
 /* The unknowns of two or three visits: positions, and u of the first and the last. */
 static void yci_local_visits(const yc_scene *s, yci_local *out, double *q, int count, const int *visit) {
     int i, node[3];
@@ -12619,6 +12951,21 @@ static void yci_local_direction(const yci_model *m, const yci_local *e, const do
     }
 }
 
+/* The unknowns of a segment; with crimp both heights too. */
+static void yci_local_segment(const yc_scene *s, yci_local *out, double *q, const yci_segment *e) {
+    yci_local_visits(s, out, q, 2, &e->a);
+    if (!yci_crimped(s->model, e->a)) return;
+    yci_local_rise(s, out, q, 0, e->a);
+    yci_local_rise(s, out, q, 1, e->b);
+}
+
+/* Adds a second element with the same unknowns. */
+static void yci_local_add(yci_local *out, const double *g, const double *h) {
+    int i;
+    for (i = 0; i < out->dofs && g; i++) out->g[i] += g[i];
+    for (i = 0; i < out->dofs * out->dofs && h; i++) out->h[i] += h[i];
+}
+
 static double yci_stitch_rest(const yc_scene *s, const yci_stitch *e) {
     const yci_seam *seam = s->seam + e->seam;
     double t = s->time + s->model->h - seam->start;
@@ -12627,11 +12974,10 @@ static double yci_stitch_rest(const yc_scene *s, const yci_stitch *e) {
 
 /* Spring of an open seam: 1/2 k (l - r)^2 for l > r, so that it only draws. Its Hessian keeps the stiffness across. */
 static void yci_eval_stitch(const yc_scene *s, const yci_stitch *e, int mode, yci_local *out) {
-    double q[6], d[3], up[3] = {0.0, 1.0, 0.0}, length, stretch, across;
+    double d[3], up[3] = {0.0, 1.0, 0.0}, length, stretch, across;
     int i, j;
     yci_local_nodes(out, 2, e->node);
-    yci_local_gather(s, out, q);
-    yci_sub(d, q + 3, q);
+    yci_sub(d, s->x + 3 * e->node[1], s->x + 3 * e->node[0]);
     length = yci_normalize(d, up);
     stretch = yci_max(length - yci_stitch_rest(s, e), 0.0);
     out->energy = 0.5 * e->stiffness * stretch * stretch;
@@ -12701,6 +13047,9 @@ static void yci_eval_grip(const yc_scene *s, const yci_pair *pair, const yci_gri
         s->desc.self_friction * e->lambda, e->normal, e->share, u, mode);
 }
 
+/* What friction holds, mu lambda; nothing where there is none. */
+static double yci_rub_limit(const yci_model *m, int rub) { return rub < 0 ? 0.0 : m->rub[rub].limit; }
+
 /* Element `i` of a kind at the present state. Contact and seams write their Hessian with the gradient. */
 static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *out) {
     const yci_model *m = s->model;
@@ -12712,10 +13061,11 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         const yci_segment *e = m->segment + i;
         int k;
         double weight[8];
-        yci_local_visits(s, out, q, 2, &e->a);
+        yci_local_segment(s, out, q, e);
         out->energy = 0.0;
         if (kind != YCI_GRAVITY)
-            out->energy += yci_yarn_stretch(q, e->stretch, m->rate, e->previous, &e->tension, g, h, 1);
+            out->energy += out->dofs > 8 ? yci_yarn_crimp(q, e->stretch, m->rate, e->previous, &e->tension, g, h, 1)
+                                         : yci_yarn_stretch(q, e->stretch, m->rate, e->previous, &e->tension, g, h, 1);
         if (kind != YCI_STRETCH)
             out->energy += yci_yarn_gravity(q, e->density, s->desc.gravity, g ? weight : NULL, NULL, 1);
         for (k = 0; g && k < 8; k++) g[k] += weight[k];
@@ -12727,12 +13077,25 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         out->energy = yci_yarn_bend(q, e->stiffness, 0.0, 0.0, m->rate, e->previous, g, h, 1);
         break;
     }
+    case YCI_KINK: {
+        const yci_kink *e = m->kink + i;
+        yci_local_kink(s, out, q, &e->a);
+        out->energy = yci_yarn_kink(q, e->stiffness, e->rest, m->rate, e->previous, g, h, 1);
+        break;
+    }
     case YCI_SHEAR: {
         const yci_shear *e = m->shear + i;
         yci_local_nodes(out, 3, e->node);
         yci_local_gather(s, out, q);
         out->energy =
             yci_yarn_shear(q, e->stiffness, e->length, e->rest, e->limit, YCI_JAM_WIDTH, m->rate, e->previous, g, h, 1);
+        if (m->turn_count && yci_rub_limit(m, m->turn[i].rub) > 0.0) {
+            const yci_turn *t = m->turn + i;
+            double g9[9], h9[81];
+            out->energy += yci_yarn_turn(q, e->rest, s->turn[t->anchor], t->stiffness,
+                t->reach * yci_rub_limit(m, t->rub), g ? g9 : NULL, h ? h9 : NULL, 1);
+            yci_local_add(out, g ? g9 : NULL, h ? h9 : NULL);
+        }
         break;
     }
     case YCI_ADJACENT: {
@@ -12744,10 +13107,8 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         out->energy = yci_yarn_floor(q, e->hardness, e->floor, g, h);
         if (e->stiffness > 0.0) {
             double g2[2], h2[4];
-            int k;
             out->energy += yci_yarn_contact(q, e->stiffness, e->distance, g ? g2 : NULL, h ? h2 : NULL);
-            for (k = 0; g && k < 2; k++) g[k] += g2[k];
-            for (k = 0; h && k < 4; k++) h[k] += h2[k];
+            yci_local_add(out, g ? g2 : NULL, h ? h2 : NULL);
         }
         break;
     }
@@ -12756,7 +13117,7 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         out->nodes = 1, out->points = out->dofs = 0;
         out->node[0] = s->visit_node[e->visit];
         yci_local_slide(s, out, q, 0, e->visit);
-        out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, e->limit, g, h, 1);
+        out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, yci_rub_limit(m, e->rub), g, h, 1);
         break;
     }
     case YCI_FACE: {
@@ -12785,6 +13146,7 @@ static int yci_count(const yci_model *m, int kind) {
     case YCI_STRETCH:
     case YCI_GRAVITY: return m->segment_count;
     case YCI_BEND: return m->bend_count;
+    case YCI_KINK: return m->kink_count;
     case YCI_SHEAR: return m->shear_count;
     case YCI_ADJACENT: return m->adjacent_count;
     case YCI_SLIDE: return m->slide_count;
@@ -12798,8 +13160,8 @@ static int yci_count(const yci_model *m, int kind) {
 
 /* ---- assembly ---- */
 
-/* Adds to the matrix's block of the element's nodes `a` and `b`: the 3x3 of their positions, and the rows and columns of
- * further unknowns, which stand behind those of the positions. */
+/* Adds to the matrix's block of the element's nodes `a` and `b`: the 3x3 of their positions, and the rows and columns
+ * of further unknowns, which stand behind those of the positions. */
 static void yci_local_block(const yci_local *e, int a, int b, double *block, int stride) {
     int i, j, r, points = e->points;
     for (r = 0; r < 3 && points; r++)
@@ -12844,8 +13206,8 @@ static void yci_eval_block(void *arg, int begin, int end) {
         yci_eval(chunk->s, chunk->kind, chunk->first + i, chunk->mode, chunk->s->model->local + i);
 }
 
-/* The energy of one kind of element; with their modes also into gradient and matrix. Elements are evaluated in parallel and
- * added in order, so the bits do not depend on the workers. */
+/* The energy of one kind of element; with their modes also into gradient and matrix. Elements are evaluated in
+ * parallel and added in order, so the bits do not depend on the workers. */
 static double yci_assemble_kind(yc_scene *s, int kind, int mode) {
     yci_model *m = s->model;
     yci_chunk chunk;
@@ -12865,24 +13227,33 @@ static double yci_assemble_kind(yc_scene *s, int kind, int mode) {
 
 /* ---- the incremental potential ---- */
 
-static void yci_dofs_get(const yc_scene *s, double *q) {
+/* Where u of a sliding visit, and z of a height that is not held, stand among the unknowns. */
+static int yci_dof_of_slide(const yc_scene *s, int visit) {
+    const yci_model *m = s->model;
+    return m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit];
+}
+static int yci_dof_of_height(const yc_scene *s, int height) {
+    const yci_model *m = s->model;
+    return m->system.a.off[m->system_node[m->height_node[height]]] + m->height_slot[height];
+}
+
+/* The unknowns, or their velocities, out of the state's arrays. */
+static void yci_dofs_get(const yc_scene *s, const double *x, const double *u, const double *z, double *q) {
     const yci_model *m = s->model;
     int i;
-    for (i = 0; i < m->system.a.n; i++) yci_copy(q + m->system.a.off[i], s->x + 3 * m->node_of[i]);
-    for (i = 0; i < m->slide_count; i++) {
-        int visit = m->slide[i].visit;
-        q[m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit]] = s->u[visit];
-    }
+    for (i = 0; i < m->system.a.n; i++) yci_copy(q + m->system.a.off[i], x + 3 * m->node_of[i]);
+    for (i = 0; i < m->slide_count; i++) q[yci_dof_of_slide(s, m->slide[i].visit)] = u[m->slide[i].visit];
+    for (i = 0; i < s->heights; i++)
+        if (m->height_slot[i] >= 0) q[yci_dof_of_height(s, i)] = z[i];
 }
 
 static void yci_dofs_set(yc_scene *s, const double *q) {
     const yci_model *m = s->model;
     int i;
     for (i = 0; i < m->system.a.n; i++) yci_copy(s->x + 3 * m->node_of[i], q + m->system.a.off[i]);
-    for (i = 0; i < m->slide_count; i++) {
-        int visit = m->slide[i].visit;
-        s->u[visit] = q[m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit]];
-    }
+    for (i = 0; i < m->slide_count; i++) s->u[m->slide[i].visit] = q[yci_dof_of_slide(s, m->slide[i].visit)];
+    for (i = 0; i < s->heights; i++)
+        if (m->height_slot[i] >= 0) s->z[i] = q[yci_dof_of_height(s, i)];
 }
 
 /* Masses at the step's start: blocks of the system, and translational masses of all nodes. */
@@ -12911,6 +13282,11 @@ static void yci_masses(yc_scene *s) {
             else
                 for (k = 0; k < 3; k++) block[k * (d + 1)] += half;
         }
+    }
+    for (i = 0; i < s->heights; i++) {
+        int node = m->height_node[i], slot = m->height_slot[i], at = m->system_node[node];
+        if (slot >= 0)
+            m->system.mass[m->system.mass_at[at] + (size_t)(slot * (m->system.a.dim[at] + 1))] = m->mass[node];
     }
 }
 
@@ -13132,10 +13508,8 @@ static double yci_step_limit(yc_scene *s, double longest) {
     for (i = 0; i < m->segment_count; i++) {
         int a = m->segment[i].a, b = m->segment[i].b;
         double change = 0.0, du = s->u[b] - s->u[a];
-        if (m->visit_slot[a] >= 0)
-            change -= m->direction[m->system.a.off[m->system_node[s->visit_node[a]]] + m->visit_slot[a]];
-        if (m->visit_slot[b] >= 0)
-            change += m->direction[m->system.a.off[m->system_node[s->visit_node[b]]] + m->visit_slot[b]];
+        if (m->visit_slot[a] >= 0) change -= m->direction[yci_dof_of_slide(s, a)];
+        if (m->visit_slot[b] >= 0) change += m->direction[yci_dof_of_slide(s, b)];
         if (limit * change < -0.9 * du) limit = -0.9 * du / change;
     }
     if (!s->desc.self_contact || !move) return limit;
@@ -13168,13 +13542,15 @@ static yc_result yci_line_search(yc_scene *s, double energy, double scale, doubl
 static void yci_predict(yc_scene *s, const double *direction, double share) {
     yci_model *m = s->model;
     yci_local local;
-    double q[12], dq[12], stress[3];
+    double q[12], dq[12], stress[3], tension;
     int i, k;
     for (i = 0; i < m->segment_count; i++) {
         yci_segment *e = m->segment + i;
-        yci_local_visits(s, &local, q, 2, &e->a);
+        yci_local_segment(s, &local, q, e);
         yci_local_direction(m, &local, direction, dq);
-        e->tension += share * (yci_yarn_stretch_predict(q, dq, e->stretch, m->rate, e->previous) - e->tension);
+        tension = local.dofs > 8 ? yci_yarn_crimp_predict(q, dq, e->stretch, m->rate, e->previous)
+                                 : yci_yarn_stretch_predict(q, dq, e->stretch, m->rate, e->previous);
+        e->tension += share * (tension - e->tension);
     }
     for (i = 0; i < m->face_count; i++) {
         yci_face *e = m->face + i;
@@ -13279,12 +13655,16 @@ static void yci_strains(yc_scene *s) {
     double q[12];
     int i;
     for (i = 0; i < m->segment_count; i++) {
-        yci_local_visits(s, &out, q, 2, &m->segment[i].a);
-        m->segment[i].previous = yci_yarn_stretch_strain(q);
+        yci_local_segment(s, &out, q, m->segment + i);
+        m->segment[i].previous = out.dofs > 8 ? yci_yarn_crimp_strain(q) : yci_yarn_stretch_strain(q);
     }
     for (i = 0; i < m->bend_count; i++) {
         yci_local_visits(s, &out, q, 3, &m->bend[i].a);
         m->bend[i].previous = yci_yarn_bend_strain(q);
+    }
+    for (i = 0; i < m->kink_count; i++) {
+        yci_local_kink(s, &out, q, &m->kink[i].a);
+        m->kink[i].previous = yci_yarn_kink_strain(q);
     }
     for (i = 0; i < m->shear_count; i++) {
         yci_local_nodes(&out, 3, m->shear[i].node), yci_local_gather(s, &out, q);
@@ -13300,11 +13680,17 @@ static void yci_strains(yc_scene *s) {
     }
 }
 
+/* Whether a yarn has this visit, and in the mechanics. */
+static int yci_yarn_goes_on(const yc_scene *s, const yci_cloth *cloth, int yarn, int visit) {
+    return visit >= cloth->yarns.yarn_first[yarn] && visit < cloth->yarns.yarn_first[yarn + 1] &&
+        s->model->role[s->visit_node[cloth->visit + visit]] != YCI_IDLE;
+}
+
 /* The unit tangent of a yarn at a visit, one-sided at its ends. */
 static void yci_yarn_tangent(const yc_scene *s, const yci_cloth *cloth, int visit, int yarn, double *t) {
     const double up[3] = {0.0, 1.0, 0.0};
-    const int *first = cloth->yarns.yarn_first + yarn;
-    int before = visit > first[0] ? visit - 1 : visit, after = visit + 1 < first[1] ? visit + 1 : visit;
+    int before = visit - yci_yarn_goes_on(s, cloth, yarn, visit - 1),
+        after = visit + yci_yarn_goes_on(s, cloth, yarn, visit + 1);
     yci_sub(t, s->x + 3 * s->visit_node[cloth->visit + after], s->x + 3 * s->visit_node[cloth->visit + before]);
     yci_normalize(t, up);
 }
@@ -13319,7 +13705,7 @@ static void yci_yarn_press(
     int k;
     for (k = 0; k < 5; k++) {
         int at = visit + k - 2;
-        there[k] = at >= y->yarn_first[yarn] && at < y->yarn_first[yarn + 1] ? point[k] : NULL;
+        there[k] = k == 2 || yci_yarn_goes_on(s, cloth, yarn, at) ? point[k] : NULL;
         if (!there[k]) continue;
         yci_copy(point[k], s->x + 3 * s->visit_node[cloth->visit + at]);
         yci_scale(point[k] + 3, n, material->radius * y->visit_layer[at]);
@@ -13328,22 +13714,57 @@ static void yci_yarn_press(
     yci_yarn_crossing_force(force, there, material->stretch, material->bending, 0.0);
 }
 
-/* Compression at every sliding crossing, and with it what its friction can hold (YARN 4.3, 4.4). */
+/* What two yarns press each other with where they do not undulate (YARN 4.3). */
+static double yci_compression(const yc_scene *s, const yci_rub *e) {
+    const yci_cloth *cloth = s->cloth + e->cloth;
+    const double up[3] = {0.0, 1.0, 0.0};
+    double t[2][3], n[3], force[2][3];
+    int k, weft = cloth->yarns.yarn_family[e->yarn[0]] == YC_WEFT ? 0 : 1,
+           low = cloth->yarns.visit_layer[e->visit[0]] < 0 ? 0 : 1;
+    for (k = 0; k < 2; k++) yci_yarn_tangent(s, cloth, e->visit[k], e->yarn[k], t[k]);
+    yci_cross(n, t[weft], t[!weft]); /* the pattern's u x v: from the lower layer to the upper */
+    yci_normalize(n, up);
+    for (k = 0; k < 2; k++) yci_yarn_press(s, cloth, e->visit[k], e->yarn[k], n, force[k]);
+    return yci_yarn_compression(force[low], force[!low], n);
+}
+
+/* What the elements of every undulating yarn push it with at its visits, downwards. */
+static void yci_thrusts(yc_scene *s) {
+    yci_model *m = s->model;
+    yci_local out;
+    double q[12], g[12];
+    int i;
+    memset(m->thrust, 0, (size_t)s->visits * sizeof(double));
+    for (i = 0; i < m->segment_count; i++) {
+        const yci_segment *e = m->segment + i;
+        if (!yci_crimped(m, e->a)) continue;
+        yci_local_segment(s, &out, q, e);
+        yci_yarn_crimp(q, e->stretch, 0.0, 0.0, NULL, g, NULL, 0);
+        m->thrust[e->a] += g[8], m->thrust[e->b] += g[9];
+    }
+    for (i = 0; i < m->kink_count; i++) {
+        const yci_kink *e = m->kink + i;
+        yci_local_kink(s, &out, q, &e->a);
+        yci_yarn_kink(q, e->stiffness, e->rest, 0.0, 0.0, g, NULL, 0);
+        m->thrust[e->a] += g[0], m->thrust[e->b] += g[1], m->thrust[e->c] += g[2];
+    }
+}
+
+/* What presses the yarns of every crossing with friction together, and what its friction holds by that. */
 static void yci_compress(yc_scene *s) {
     yci_model *m = s->model;
-    int i, k;
-    for (i = 0; i < m->slide_count; i++) {
-        yci_slide *e = m->slide + i;
+    int i;
+    if (m->rub_count && m->thrust) yci_thrusts(s);
+    for (i = 0; i < m->rub_count; i++) {
+        yci_rub *e = m->rub + i;
         const yci_cloth *cloth = s->cloth + e->cloth;
-        const double up[3] = {0.0, 1.0, 0.0};
-        double t[2][3], n[3], force[2][3];
-        int weft = cloth->yarns.yarn_family[e->yarn[0]] == YC_WEFT ? 0 : 1,
-            low = cloth->yarns.visit_layer[e->mate[0]] < 0 ? 0 : 1;
-        for (k = 0; k < 2; k++) yci_yarn_tangent(s, cloth, e->mate[k], e->yarn[k], t[k]);
-        yci_cross(n, t[weft], t[!weft]); /* the pattern's u x v: from the lower layer to the upper */
-        yci_normalize(n, up);
-        for (k = 0; k < 2; k++) yci_yarn_press(s, cloth, e->mate[k], e->yarn[k], n, force[k]);
-        e->limit = e->friction * yci_yarn_compression(force[low], force[!low], n);
+        double lambda;
+        if (m->thrust && cloth->height >= 0) {
+            int up = cloth->yarns.visit_layer[e->visit[0]] < 0 ? 1 : 0;
+            const double *thrust = m->thrust + cloth->visit;
+            lambda = yci_max(0.0, 0.5 * (thrust[e->visit[up]] - thrust[e->visit[!up]]));
+        } else lambda = yci_compression(s, e);
+        e->limit = e->friction * (e->preload + lambda);
     }
 }
 
@@ -13391,13 +13812,35 @@ static void yci_fit_vertices(yc_scene *s, double *x) {
 static void yci_keep(yc_scene *s) {
     if (s->nodes) memcpy(s->x_n, s->x, 3 * (size_t)s->nodes * sizeof(double));
     if (s->visits) memcpy(s->u_n, s->u, (size_t)s->visits * sizeof(double));
+    if (s->heights) memcpy(s->z_n, s->z, (size_t)s->heights * sizeof(double));
 }
 
 static void yci_restore(yc_scene *s) {
     int i;
     if (s->nodes) memcpy(s->x, s->x_n, 3 * (size_t)s->nodes * sizeof(double));
     if (s->visits) memcpy(s->u, s->u_n, (size_t)s->visits * sizeof(double));
+    if (s->heights) memcpy(s->z, s->z_n, (size_t)s->heights * sizeof(double));
     for (i = 0; i < s->body_count; i++) s->body[i].pose = s->pose[2 * i];
+}
+
+/* After an accepted step anchors follow what slips. */
+static void yci_anchors(yc_scene *s) {
+    yci_model *m = s->model;
+    int i, k;
+    for (i = 0; i < m->slide_count; i++) {
+        const yci_slide *e = m->slide + i;
+        double *anchor = s->anchor + e->visit;
+        *anchor = yci_yarn_friction_anchor(s->u[e->visit], *anchor, e->stiffness, yci_rub_limit(m, e->rub));
+    }
+    for (i = 0; i < m->turn_count; i++) {
+        const yci_turn *e = m->turn + i;
+        double q[9], *anchor;
+        if (e->rub < 0) continue;
+        for (k = 0; k < 3; k++) yci_copy(q + 3 * k, s->x + 3 * m->shear[i].node[k]);
+        anchor = s->turn + e->anchor;
+        *anchor = yci_yarn_friction_anchor(
+            yci_yarn_shear_strain(q) - m->shear[i].rest, *anchor, e->stiffness, e->reach * yci_rub_limit(m, e->rub));
+    }
 }
 
 /* One implicit step of h seconds, which is `share` of what is left of the user's step. On failure the state is as
@@ -13406,7 +13849,7 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
     yci_model *m = s->model;
     double clock = yci_seconds();
     yc_result result;
-    int i, k, size;
+    int i, size;
     m->h = h, m->rate = s->desc.stiffness_damping / h;
     yci_fit_vertices(s, s->x);
     yci_keep(s);
@@ -13419,17 +13862,10 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
     if (result == YC_OK) {
         size = yci_system_size(&m->system);
         yci_masses(s);
-        yci_dofs_get(s, m->dof);
+        yci_dofs_get(s, s->x, s->u, s->z, m->dof);
         memcpy(m->dof_n, m->dof, (size_t)size * sizeof(double));
-        for (i = 0; i < m->system.a.n; i++)
-            for (k = 0; k < 3; k++)
-                m->dof_free[m->system.a.off[i] + k] =
-                    m->dof_n[m->system.a.off[i] + k] + h * s->velocity[3 * m->node_of[i] + k];
-        for (i = 0; i < m->slide_count; i++) {
-            int visit = m->slide[i].visit,
-                at = m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit];
-            m->dof_free[at] = m->dof_n[at] + h * s->slide[visit];
-        }
+        yci_dofs_get(s, s->velocity, s->slide, s->rise, m->dof_free);
+        for (i = 0; i < size; i++) m->dof_free[i] = m->dof_n[i] + h * m->dof_free[i];
         result = yci_newton(s, stats);
     }
     m->h = 0.0, m->rate = 0.0;
@@ -13439,9 +13875,8 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
     }
     for (i = 0; i < 3 * s->nodes; i++) s->velocity[i] = (s->x[i] - s->x_n[i]) / h;
     for (i = 0; i < s->visits; i++) s->slide[i] = (s->u[i] - s->u_n[i]) / h;
-    for (i = 0; i < m->slide_count; i++)
-        s->anchor[m->slide[i].visit] = yci_yarn_friction_anchor(
-            s->u[m->slide[i].visit], s->anchor[m->slide[i].visit], m->slide[i].stiffness, m->slide[i].limit);
+    for (i = 0; i < s->heights; i++) s->rise[i] = (s->z[i] - s->z_n[i]) / h;
+    yci_anchors(s);
     for (i = 0; i < s->body_count; i++) s->pose[2 * i] = s->body[i].pose;
     s->time += h;
     return YC_OK;
@@ -13530,7 +13965,7 @@ static yc_result yci_weld_closed(yc_scene *s) {
 
 typedef struct yci_state_head {
     char magic[8];
-    int vertices, nodes, visits, seams, bodies;
+    int vertices, nodes, visits, heights, turns, seams, bodies;
     double time, dt;
 } yci_state_head;
 
@@ -13551,6 +13986,9 @@ static size_t yci_state_pass(yc_scene *s, int way, char *buffer) {
     yci_state_move(way, buffer, &at, s->u, visits * sizeof(double));
     yci_state_move(way, buffer, &at, s->slide, visits * sizeof(double));
     yci_state_move(way, buffer, &at, s->anchor, visits * sizeof(double));
+    yci_state_move(way, buffer, &at, s->z, (size_t)s->heights * sizeof(double));
+    yci_state_move(way, buffer, &at, s->rise, (size_t)s->heights * sizeof(double));
+    yci_state_move(way, buffer, &at, s->turn, 4 * (size_t)s->turns * sizeof(double));
     yci_state_move(way, buffer, &at, s->pose, 2 * (size_t)s->body_count * sizeof(yci_pose));
     yci_state_move(way, buffer, &at, s->pin, nodes);
     yci_state_move(way, buffer, &at, s->welded, (size_t)s->seam_count);
@@ -13559,8 +13997,9 @@ static size_t yci_state_pass(yc_scene *s, int way, char *buffer) {
 
 static void yci_state_head_make(const yc_scene *s, yci_state_head *head) {
     memset(head, 0, sizeof *head);
-    memcpy(head->magic, "yarnst01", 8);
+    memcpy(head->magic, "yarnst02", 8);
     head->vertices = s->vertices, head->nodes = s->nodes, head->visits = s->visits;
+    head->heights = s->heights, head->turns = s->turns;
     head->seams = s->seam_count, head->bodies = s->body_count, head->time = s->time, head->dt = s->dt;
 }
 
@@ -13603,19 +14042,22 @@ YC_API yc_result yc_scene_save(yc_scene *s, void *buffer, size_t *size) {
 
 static int yci_state_head_same(const yci_state_head *a, const yci_state_head *b) {
     return !memcmp(a->magic, b->magic, sizeof a->magic) && a->vertices == b->vertices && a->nodes == b->nodes &&
-        a->visits == b->visits && a->seams == b->seams && a->bodies == b->bodies;
+        a->visits == b->visits && a->heights == b->heights && a->turns == b->turns && a->seams == b->seams &&
+        a->bodies == b->bodies;
 }
 
 YC_API yc_result yc_scene_load(yc_scene *s, const void *buffer, size_t size) {
     yci_state_head head, own;
-    size_t i;
+    size_t i, count;
     yci_state_head_make(s, &own);
     if (!buffer || size != yci_state_pass(s, YCI_STATE_ASK, NULL))
         return YCI_FAIL(&s->c, YC_ERROR_PARSE, "a state of %lu bytes is not this scene's", (unsigned long)size);
     memcpy(&head, buffer, sizeof head);
     if (!yci_state_head_same(&head, &own) || !(head.time >= 0.0) || !(head.dt > 0.0))
         return YCI_FAIL(&s->c, YC_ERROR_PARSE, "the state is not this scene's");
-    for (i = 0; i < 9 * (size_t)s->nodes + 3 * (size_t)s->visits + 24 * (size_t)s->body_count; i++) {
+    count = 9 * (size_t)s->nodes + 3 * (size_t)s->visits + 2 * (size_t)s->heights + 4 * (size_t)s->turns +
+        24 * (size_t)s->body_count;
+    for (i = 0; i < count; i++) {
         double value; /* the doubles of a state come first, in one row */
         memcpy(&value, (const char *)buffer + sizeof head + i * sizeof value, sizeof value);
         if (!yci_finite(value))
@@ -13688,8 +14130,9 @@ YC_API yc_result yc_scene_step(yc_scene *s, double dt, yc_stats *out) {
 /* ---- what can be read ---- */
 
 YC_API yc_result yc_scene_energy(yc_scene *s, double terms[YC_TERM_COUNT]) {
-    static const int term_of[] = {YC_TERM_COUNT, YC_TERM_BENDING, YC_TERM_SHEAR, YC_TERM_ADJACENT, YC_TERM_SLIDE,
-        YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY, YC_TERM_PAIR, YC_TERM_STRETCH, YC_TERM_GRAVITY};
+    static const int term_of[] = {YC_TERM_COUNT, YC_TERM_BENDING, YC_TERM_BENDING, YC_TERM_SHEAR, YC_TERM_ADJACENT,
+        YC_TERM_SLIDE, YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY, YC_TERM_PAIR, YC_TERM_STRETCH,
+        YC_TERM_GRAVITY};
     yci_model *m;
     yc_result result = yci_scene_build(s);
     int i, r, t, kind;
@@ -13703,11 +14146,7 @@ YC_API yc_result yc_scene_energy(yc_scene *s, double terms[YC_TERM_COUNT]) {
     for (kind = YCI_SEGMENT + 1; kind <= YCI_GRAVITY; kind++)
         terms[term_of[kind]] += yci_assemble_kind(s, kind, YCI_ENERGY);
     for (i = 0; i < s->nodes; i++) terms[YC_TERM_GRAVITY] -= m->mass_fixed[i] * yci_dot(s->desc.gravity, s->x + 3 * i);
-    for (i = 0; i < m->system.a.n; i++) yci_copy(m->dof + m->system.a.off[i], s->velocity + 3 * m->node_of[i]);
-    for (i = 0; i < m->slide_count; i++) {
-        int visit = m->slide[i].visit;
-        m->dof[m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit]] = s->slide[visit];
-    }
+    yci_dofs_get(s, s->velocity, s->slide, s->rise, m->dof);
     for (i = 0; i < m->system.a.n; i++)
         for (r = 0; r < m->system.a.dim[i]; r++)
             for (t = 0; t < m->system.a.dim[i]; t++)

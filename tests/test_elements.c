@@ -144,6 +144,15 @@ static double elements_bend(const double *p, const double *q, double *g, double 
 static double elements_shear(const double *p, const double *q, double *g, double *h, int projected) {
     return yci_yarn_shear(q, p[0], p[1], p[2], p[3], p[4], p[5], p[6], g, h, projected);
 }
+static double elements_crimp(const double *p, const double *q, double *g, double *h, int projected) {
+    return yci_yarn_crimp(q, p[0], p[1], p[2], NULL, g, h, projected);
+}
+static double elements_kink(const double *p, const double *q, double *g, double *h, int projected) {
+    return yci_yarn_kink(q, p[0], p[1], p[2], p[3], g, h, projected);
+}
+static double elements_turn(const double *p, const double *q, double *g, double *h, int projected) {
+    return yci_yarn_turn(q, p[0], p[1], p[2], p[3], g, h, projected);
+}
 static double elements_contact(const double *p, const double *q, double *g, double *h, int projected) {
     (void)projected;
     return yci_yarn_contact(q, p[0], p[1], g, h);
@@ -308,6 +317,129 @@ TEST(yarn_shear) {
         CHECK(elements_finite(g, 9) && elements_finite(h, 81));
         elements_shear(p, q, g, h, 1);
         CHECK(elements_semidefinite(h, 9));
+    }
+}
+
+/* A crimped segment: its points and heights, at a ratio of its length to du. */
+static void elements_undulating(double *q, double size, double rise, double ratio) {
+    yci_zero(q, 10);
+    q[3] = size;
+    elements_move(q, 2, size);
+    q[6] = elements_random(-1.0, 1.0) * size, q[7] = q[6] + size * sqrt(1.0 + 1.125 * rise * rise) / ratio;
+    q[8] = elements_random(-0.5, 0.5) * size, q[9] = q[8] + rise * size;
+}
+
+TEST(yarn_crimp) {
+    static const double ratio[6] = {1e-3, 0.3, 0.999, 1.0, 1.001, 2.5}, rise[5] = {0.0, 1e-6, 0.3, -0.8, 40.0};
+    elements_state = 1;
+    for (int trial = 0; trial < 60; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, lambda = ratio[trial % 6], q[10], p[3], h[100], exact[100], g[10];
+        double flat[64], slope[8];
+        p[0] = 10.0, p[1] = trial % 4 ? 0.0 : 0.7, p[2] = 0.2;
+        elements_undulating(q, size, rise[trial % 5], lambda);
+        CHECK(elements_differences(elements_crimp, p, 10, q, size, 1e-3 * size * (1.0 + fabs(rise[trial % 5])), 1e-9));
+        CHECK(elements_invariant(elements_crimp, p, 10, 2, q, size));
+        CHECK(fabs(yci_yarn_crimp_strain(q) - (lambda - 1.0)) < 1e-12 * lambda);
+        elements_crimp(p, q, g, h, 1), elements_crimp(p, q, NULL, exact, 0);
+        CHECK(elements_semidefinite(h, 10));
+        CHECK(fabs(g[8] + g[9]) <= 1e-15 * fabs(g[9])); /* heights count from anywhere */
+        if (lambda > 1.1 || (lambda >= 1.001 && p[1] == 0.0)) CHECK(elements_distance(h, exact, 100) == 0.0);
+        for (int i = 0; i < 20; i++) { /* what projected drops is negative */
+            double x[10], dropped = 0.0;
+            elements_scatter(x, 10, 1.0);
+            for (int j = 0; j < 100; j++) dropped += x[j / 10] * (h[j] - exact[j]) * x[j % 10];
+            CHECK(dropped >= -1e-13 * elements_largest(h, 100));
+        }
+        if (rise[trial % 5] != 0.0) continue;
+        yci_yarn_stretch(q, p[0], p[1], p[2], NULL, slope, flat, 1); /* without a rise it is the flat segment */
+        CHECK(elements_distance(g, slope, 8) <= 1e-14 * elements_largest(slope, 8) && g[8] == 0.0);
+        for (int i = 0; i < 8; i++)
+            CHECK(elements_distance(h + 10 * i, flat + 8 * i, 8) <= 1e-14 * elements_largest(flat, 64));
+    }
+    for (int trial = 0; trial < 4; trial++) { /* coincident, or one above the other */
+        double q[10] = {0.3, 0.3, 0.3, 0.3, 0.3, 0.3, 0.0, 1.0, 0.1, 0.1}, p[3] = {10.0, 0.5, 0.1}, g[10], h[100];
+        q[9] += trial == 0 ? 0.0 : trial == 1 ? 1e-300 : trial == 2 ? 1e-12 : 0.7;
+        elements_crimp(p, q, g, h, 0);
+        CHECK(elements_finite(g, 10) && elements_finite(h, 100));
+        elements_crimp(p, q, g, h, 1);
+        CHECK(elements_semidefinite(h, 10) && elements_largest(h, 100) < 50.0);
+    }
+}
+
+TEST(yarn_kink) {
+    elements_state = 1;
+    for (int trial = 0; trial < 40; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, q[6], p[4], g[6], h[36], exact[36], moved[6], e, sum = 0.0, turn = 0.0;
+        p[0] = 2.0 * size, p[1] = elements_random(-1.0, 1.0), p[2] = trial % 4 ? 0.0 : 0.6, p[3] = 0.3;
+        for (int i = 0; i < 3; i++) q[i] = size * elements_random(-2.0, 2.0);
+        q[3] = size * elements_random(-1.0, 1.0), q[4] = q[3] + size * elements_random(0.5, 1.5),
+        q[5] = q[4] + size * elements_random(0.5, 1.5);
+        CHECK(elements_differences(elements_kink, p, 6, q, size, 1e-3 * size, 1e-9));
+        e = elements_kink(p, q, g, h, 1);
+        CHECK(elements_semidefinite(h, 6));
+        /* A yarn that lies higher, or slopes, as a whole is not bent: no net force, no torque. */
+        for (int i = 0; i < 3; i++) {
+            moved[i] = q[i] + size * (0.7 - 0.4 * (q[3 + i] - q[3]) / size), moved[3 + i] = q[3 + i];
+            sum += g[i], turn += g[i] * (q[3 + i] - q[3]);
+        }
+        CHECK(fabs(elements_kink(p, moved, NULL, NULL, 0) - e) <= 1e-12 * e);
+        CHECK(fabs(sum) + fabs(turn) / size <= 1e-12 * elements_largest(g, 3));
+        p[1] = yci_yarn_kink_strain(q), p[2] = 0.0; /* at rest projected is exact */
+        e = elements_kink(p, q, g, h, 1), elements_kink(p, q, NULL, exact, 0);
+        CHECK(e < 1e-28 * p[0] / size && elements_largest(g, 6) < 1e-13 * elements_largest(exact, 36) * size);
+        CHECK(elements_distance(h, exact, 36) <= 1e-13 * elements_largest(exact, 36));
+    }
+}
+
+/* A beam over 40 supports at heights h(i): its energy by the three-moment equation, against the sum of kinks. */
+static double elements_beam(double (*height)(int), double *kinks) {
+    double t[41] = {0.0}, m[42] = {0.0}, low[42] = {0.0}, energy = 0.0;
+    for (int i = 1; i < 40; i++) t[i] = 2.0 * height(i) - height(i - 1) - height(i + 1);
+    for (int i = 1; i < 40; i++) { /* M_i-1 + 4 M_i + M_i+1 = 6 t_i, EI and du 1 */
+        double pivot = 4.0 - low[i - 1];
+        low[i] = 1.0 / pivot, m[i] = (6.0 * t[i] - m[i - 1]) / pivot;
+    }
+    for (int i = 39; i > 0; i--) m[i] -= low[i] * m[i + 1];
+    *kinks = 0.0;
+    for (int i = 10; i < 30; i++) { /* away from its ends */
+        double q[6] = {0.0, 0.0, 0.0, -1.0, 0.0, 1.0};
+        for (int k = 0; k < 3; k++) q[k] = height(i + k - 1);
+        energy += 0.5 * m[i] * t[i];
+        *kinks += yci_yarn_kink(q, yci_yarn_kink_factor(t[i - 1], t[i], t[i + 1]), 0.0, 0.0, 0.0, NULL, NULL, 0);
+    }
+    return energy;
+}
+static double elements_plain(int i) { return i % 2 ? 1.0 : -1.0; }
+static double elements_twill(int i) { return i / 2 % 2 ? 1.0 : -1.0; }
+static double elements_wave(int i) { return sin(0.1 * YCI_PI * i); }
+
+TEST(yarn_kink_factor) {
+    double exact, kinks;
+    exact = elements_beam(elements_plain, &kinks), CHECK_NEAR(kinks, exact, 1e-6 * exact);
+    exact = elements_beam(elements_twill, &kinks), CHECK_NEAR(kinks, exact, 1e-6 * exact);
+    exact = elements_beam(elements_wave, &kinks), CHECK_NEAR(kinks, exact, 0.02 * exact);
+    CHECK(yci_yarn_kink_factor(0.0, 1.0, 0.0) == 1.5 && yci_yarn_kink_factor(1.0, 0.0, -1.0) == 1.0);
+    CHECK(yci_yarn_kink_factor(-9.0, 1.0, -9.0) == 3.0 && yci_yarn_kink_factor(9.0, 1.0, 9.0) == 1.0);
+}
+
+TEST(yarn_turn) {
+    static const double angle[4] = {0.3, 1.45, 1.6, 2.8};
+    elements_state = 1;
+    for (int trial = 0; trial < 48; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, phi = angle[trial / 2 % 4], q[9], p[4], h[81], g[9], other[9], d = 0.0;
+        int slips = trial % 3 == 0;
+        /* A spring from phi - 0.1 that slips beyond 0.05, or 0.2, either way. */
+        p[0] = 1.5, p[2] = 3.0 * size, p[3] = p[2] * (slips ? 0.05 : 0.2), p[1] = phi - p[0] + (trial % 4 ? 0.1 : -0.1);
+        elements_corner(q, 1, size, size * elements_random(0.5, 1.5), phi);
+        CHECK(elements_differences(elements_turn, p, 9, q, size, 1e-3 * size, 1e-9));
+        CHECK(elements_invariant(elements_turn, p, 9, 3, q, size));
+        elements_turn(p, q, g, h, 1);
+        CHECK(elements_semidefinite(h, 9));
+        /* The moment about the crossing is the limit, or k times the angle from the anchor: that of a shear element. */
+        yci_yarn_shear(q, 1.0, 1.0, phi - 1.0, 9.0, 0.0, 0.0, 0.0, other, NULL, 0);
+        d = (trial % 4 ? -1.0 : 1.0) * (slips ? p[3] : 0.1 * p[2]);
+        for (int i = 0; i < 9; i++) other[i] *= d;
+        CHECK(elements_distance(g, other, 9) <= 1e-12 * elements_largest(g, 9));
     }
 }
 
@@ -657,6 +789,11 @@ TEST(elements_rigid_undamped) {
         yci_yarn_stretch(q, 10.0, 100.0, s, NULL, with, NULL, 0);
         yci_yarn_stretch(q, 10.0, 0.0, 0.0, NULL, without, NULL, 0);
         CHECK(elements_distance(with, without, 8) < 1e-11 * elements_largest(without, 8));
+        elements_undulating(q, 1.0, 0.4, 0.9);
+        s = yci_yarn_crimp_strain(q), elements_move(q, 2, 1.0);
+        yci_yarn_crimp(q, 10.0, 100.0, s, NULL, with, NULL, 0);
+        yci_yarn_crimp(q, 10.0, 0.0, 0.0, NULL, without, NULL, 0);
+        CHECK(elements_distance(with, without, 10) < 1e-11 * elements_largest(without, 10));
         elements_scatter(q, 9, 1.0), q[9] = 0.0, q[10] = 2.0;
         s = yci_yarn_bend_strain(q), elements_move(q, 3, 1.0);
         yci_yarn_bend(q, 10.0, 0.0, 0.1, 100.0, s, with, NULL, 0);
@@ -678,5 +815,36 @@ TEST(elements_rigid_undamped) {
         CHECK(elements_distance(with, without, 12) < 1e-10 * elements_largest(without, 12));
         /* And it does damp a change of shape. */
         CHECK(yci_triangle_hinge(q, 10.0, 0.3, 100.0, s + 0.1, NULL, NULL, 0) > 4.99);
+    }
+}
+
+/* The linear model of a tension or a stress: its error falls with the square of the step. */
+TEST(elements_predictions_are_linear_models) {
+    double q[10], dq[10], x[10], strain[3], there[3], stress[3], uv[6] = {0.0, 0.0, 1.0, 0.1, 0.2, 1.1};
+    double material[4] = {3.0, 0.5, 2.0, 1.0};
+    yci_membrane rest;
+    elements_state = 7;
+    yci_triangle_rest(&rest, uv, 0.3, 1.0);
+    for (int trial = 0; trial < 10; trial++) {
+        double error[3][2], h = 1e-3;
+        elements_scatter(q, 10, 1.0), elements_scatter(dq, 10, 1.0);
+        q[6] = 0.0, q[7] = 2.0;
+        for (int half = 0; half < 2; half++, h *= 0.5) {
+            for (int i = 0; i < 10; i++) dq[i] *= half ? 0.5 : h, x[i] = q[i] + dq[i];
+            error[0][half] = 10.0 * (yci_yarn_stretch_strain(x) + 4.0 * (yci_yarn_stretch_strain(x) - 0.1)) -
+                yci_yarn_stretch_predict(q, dq, 10.0, 4.0, 0.1);
+            error[1][half] = 10.0 * (yci_yarn_crimp_strain(x) + 4.0 * (yci_yarn_crimp_strain(x) - 0.1)) -
+                yci_yarn_crimp_predict(q, dq, 10.0, 4.0, 0.1);
+            yci_triangle_membrane_strain(q, &rest, strain), yci_triangle_membrane_strain(x, &rest, there);
+            yci_triangle_membrane_predict(q, dq, &rest, material, 4.0, strain, stress);
+            for (int i = 0; i < 3; i++) strain[i] = there[i] + 4.0 * (there[i] - strain[i]);
+            error[2][half] = hypot(material[0] * strain[0] + material[1] * strain[1] - stress[0],
+                hypot(material[1] * strain[0] + material[2] * strain[1] - stress[1],
+                    material[3] * strain[2] - stress[2]));
+        }
+        for (int kind = 0; kind < 3; kind++) {
+            CHECK(fabs(error[kind][0]) < 1e-3);
+            CHECK_NEAR(error[kind][1] / error[kind][0], 0.25, 0.02);
+        }
     }
 }
