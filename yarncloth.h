@@ -634,7 +634,8 @@ typedef struct yc_event {
  * - a free end that is closer than 0.15 pitch, in u, to its crossing slides out of it, and a lone node so close to a
  *   crossing is left out;
  * - a segment longer than twice its pitch, and than twice what was laid there, gets a node;
- * - of the segments of a yarn whose tension exceeds its strength, the one most overloaded breaks in its middle.
+ * - of the segments of a yarn whose tension exceeds its strength, and which are longer than 0.3 pitch, the one most
+ *   overloaded breaks in its middle.
  * Mass, linear momentum and the positions of all nodes are what they were. Nodes and yarns keep their numbers for ever;
  * new ones come last, except that a node which an event has made may serve again once it is idle. Visits are numbered
  * anew. Pinned nodes, and ends that are tied to a crossing, to a rod or secured (visit_held), are not let go. */
@@ -12359,13 +12360,15 @@ static int yci_segment_due(const yc_scene *s, const yci_cloth *cloth, int yarn, 
     const yc_yarns *y = &cloth->yarns;
     const yc_yarn_material *material = y->materials + y->yarn_material[yarn];
     int a = cloth->visit + k, p = s->visit_node[a], q = s->visit_node[a + 1];
-    double d[3], du = s->u[a + 1] - s->u[a], laid = y->visit_u[k + 1] - y->visit_u[k];
+    double d[3], du = s->u[a + 1] - s->u[a], laid = y->visit_u[k + 1] - y->visit_u[k],
+                 pitch = cloth->pitch[y->yarn_family[yarn]];
     *load = 0.0;
     if (s->model->role[p] != YCI_FULL || s->model->role[q] != YCI_FULL) return 0;
     yci_sub(d, s->x + 3 * q, s->x + 3 * p);
-    if (material->strength > 0.0) *load = material->stretch * (yci_norm(d) / du - 1.0) / material->strength;
+    if (material->strength > 0.0 && du > 2.0 * YCI_TAIL * pitch)
+        *load = material->stretch * (yci_norm(d) / du - 1.0) / material->strength;
     if (*load > 1.0) return YCI_ADD_BREAK;
-    return du > YCI_LONG * yci_max(cloth->pitch[y->yarn_family[yarn]], laid) ? YCI_ADD_NODE : 0;
+    return du > YCI_LONG * yci_max(pitch, laid) ? YCI_ADD_NODE : 0;
 }
 
 /* Marks what is due, in w unless that is NULL; returns 0 when nothing is. Segments whose nodes a visit leaves wait. */
