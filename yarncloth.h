@@ -12190,13 +12190,15 @@ static void yci_restore(yc_scene *s) {
     for (i = 0; i < s->body_count; i++) s->body[i].pose = s->pose[2 * i];
 }
 
-/* Whether a sub-step has used up more of a yarn than there was before its end. */
+/* Whether a sub-step has taken most of a segment's length at once, down to its floor: then more of a yarn has gone than
+ * there was before its end, or Newton has found a minimum far off. */
 static int yci_overrun(const yc_scene *s) {
     const yci_model *m = s->model;
     int i, found = 0;
     for (i = 0; i < m->adjacent_count && !found; i++) {
         const yci_adjacent *e = m->adjacent + i;
-        found = e->drop >= 0 && s->u[e->b] - s->u[e->a] < e->floor;
+        double du = s->u[e->b] - s->u[e->a], before = s->u_n[e->b] - s->u_n[e->a];
+        found = du < e->floor && du < 0.25 * before;
     }
     return found;
 }
@@ -12232,7 +12234,7 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
         }
         result = yci_newton(s, stats);
         if (result == YC_OK && 0.5 * h >= s->desc.dt_min && yci_overrun(s))
-            result = YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "a yarn slid beyond its end within %g s", h);
+            result = YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "a segment lost most of its length within %g s", h);
     }
     m->h = 0.0, m->rate = 0.0;
     if (result != YC_OK) {

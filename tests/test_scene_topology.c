@@ -301,7 +301,7 @@ TEST(scene_topology_break) {
 static void abuse(swatch *w, uint64_t *state, int pins) {
     int node = test_random_int(state, w->scene->nodes);
     double v[3], at[3];
-    test_random_array(state, -1.0, 1.0, v, 3), test_random_array(state, -4e-3, 4e-3, at, 3);
+    test_random_array(state, -1.0, 1.0, v, 3), test_random_array(state, -2e-3, 2e-3, at, 3);
     CHECK_RESULT(yc_scene_set_velocity(w->scene, 0, YC_NODE, node, v), YC_OK);
     if (!pins) return;
     node = test_random_int(state, w->scene->nodes);
@@ -318,21 +318,21 @@ static yc_yarn_material fragile(void) {
     return m;
 }
 
+/* A step that is too rough may be refused; then all is as before it, and the next kick may be milder. */
 TEST(scene_topology_abuse) {
     yc_yarn_material yarn = fragile();
-    int pins, kinds[5] = {0};
+    int pins, kinds[5] = {0}, refused = 0;
     for (pins = 0; pins < 2; pins++) {
         swatch w = swatch_new(NULL, 5, &yarn, 0);
-        yc_scene_desc rough = yc_scene_desc_get(w.scene);
         uint64_t state = 11;
-        int step, i, ok = 1;
-        rough.newton_limit = 8, rough.best_effort = 1;
-        CHECK_RESULT(yc_scene_tune(w.scene, &rough), YC_OK);
-        for (step = 0; step < 120 && ok; step++) {
-            int n;
+        int step, i, n, ok = 1;
+        for (step = 0; step < 100 && ok; step++) {
             const yc_event *e;
+            yc_result result;
             abuse(&w, &state, pins);
-            ok = CHECK_RESULT(yc_scene_step(w.scene, 4e-3, NULL), YC_OK) && sound(&w);
+            result = yc_scene_step(w.scene, 4e-3, NULL);
+            refused += result != YC_OK;
+            ok = CHECK(result == YC_OK || result == YC_ERROR_DIVERGED) && sound(&w);
             e = yc_scene_events(w.scene, &n);
             for (i = 0; i < n; i++) kinds[e[i].type]++;
             w.scene->event_count = 0;
@@ -341,6 +341,7 @@ TEST(scene_topology_abuse) {
         swatch_free(&w);
     }
     for (pins = 0; pins < 5; pins++) CHECK(kinds[pins] > 0);
+    CHECK(refused < 10);
 }
 
 typedef struct bytes {
