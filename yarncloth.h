@@ -344,8 +344,8 @@ typedef struct yc_mesh {
 #define YC_ROD 2  /* runs along a seam and holds the yarns that end there */
 
 /* A yarn network as plain arrays. A yarn is a sequence of visits (node, arc length u), u strictly increasing. A node
- * visited by two yarns is a crossing, one that no yarn visits is idle. Made by yc_weave() or filled in by the caller (then the arrays are the caller's,
- * `owner` is NULL and yc_yarns_destroy does nothing). */
+ * visited by two yarns is a crossing, one that no yarn visits is idle. Made by yc_weave() or filled in by the caller
+ * (then the arrays are the caller's, `owner` is NULL and yc_yarns_destroy does nothing). */
 typedef struct yc_yarns {
     int node_count;
     double (*layout)[3];  /* [node_count], m: rest positions, flat: the pattern's (u, v, 0) */
@@ -10876,8 +10876,8 @@ static int yci_is_sewn(const yc_scene *s, int node) {
     return 0;
 }
 
-/* The segment between a lone visit and a crossing that slides may be used up: then a yarn's end leaves the crossing, and
- * any other lone visit leaves the yarn. */
+/* The segment between a lone visit and a crossing that slides may be used up: then a yarn's end leaves the crossing,
+ * and any other lone visit leaves the yarn. */
 static void yci_build_tail(const yci_build *b, int yarn, int lone, int slider, yci_adjacent *e) {
     const yc_yarns *y = b->yarns;
     int end = lone == y->yarn_first[yarn] || lone + 1 == y->yarn_first[yarn + 1], goes = end ? slider : lone;
@@ -12333,11 +12333,11 @@ static yc_result yci_weld_closed(yc_scene *s) {
 
 /* ---- changes of networks ----
  *
- * Between two sub-steps, and all at once: what is due is marked, everything that can fail is acquired, then networks and
- * state are written anew. A visit that goes leaves one longer segment in place of its two; a crossing that it leaves
+ * Between two sub-steps, and all at once: what is due is marked, everything that can fail is acquired, then networks
+ * and state are written anew. A visit that goes leaves one longer segment in place of its two; a crossing that it leaves
  * becomes a lone visit of the other yarn, whose sliding turns into motion of its node; a visit that comes stands in the
  * middle of its segment and moves with the material there. What linear momentum the first two would change goes to the
- * ends of the segment: to the lone ones, or else to both, and to pins where these are pinned. */
+ * ends of the segment: to the lone ones, or else to both; what belongs to a pinned end is the pin's. */
 
 enum { YCI_ADD_NODE = 1, YCI_ADD_BREAK = 2 };
 
@@ -12573,10 +12573,9 @@ static void yci_change_write(yci_change *w) {
     }
     for (yarn = 0; yarn < to->yarn_count; yarn++) {
         int first = to->yarn_first[yarn], last = to->yarn_first[yarn + 1] - 1;
-        int now = w->visit_from[w->first_visit + last];
+        int was = yarn < y->yarn_count ? yarn : yci_change_yarn_of(w, w->visit_from[w->first_visit + last]);
         yci_change_lay_end(w, first, first + 1), yci_change_lay_end(w, last, last - 1);
-        now = yarn < y->yarn_count ? yarn : yci_change_yarn_of(w, now);
-        if (yci_change_crosses(w, now, 1) && !yci_change_crosses(w, yarn, 0))
+        if (yci_change_crosses(w, was, 1) && !yci_change_crosses(w, yarn, 0))
             yci_change_event(w, YC_EVENT_LOOSE, yarn, -1, -1);
     }
 }
@@ -12646,8 +12645,8 @@ static void yci_change_fill(const yci_change *w, const yci_change_state *to, int
     to->u[visit] = to->anchor[visit] = 0.5 * (s->u[a] + s->u[b]);
 }
 
-/* The segment between visits i and i + 1 to come; `shift` leads from nodes now to nodes to come. First masses follow it,
- * then what it lacks of its former momentum goes to its ends. */
+/* The segment between visits i and i + 1 to come; `shift` leads from nodes now to nodes to come. First masses follow
+ * it, then what it lacks of its former momentum goes to its ends. */
 static void yci_change_segment(
     yci_change *w, const yci_change_state *to, int i, int shift, double density, int masses) {
     const yc_scene *s = w->s;
@@ -12684,7 +12683,7 @@ static void yci_change_segment(
 /* What the arrays of the state hold for what is new, and what changes for the others. */
 static void yci_change_motion(yci_change *w, const yci_change_state *to) {
     yc_scene *s = w->s;
-    int i, k, yarn, pass, node = s->vertices, visit = 0;
+    int i, k, yarn, pass, node, visit;
     for (i = 0; i < w->node_count; i++) w->mass[i] = w->node_from[i] < 0 ? 0.0 : s->model->mass[w->node_from[i]];
     for (pass = 0; pass < 3; pass++)
         for (i = 0, node = s->vertices, visit = 0; i < s->cloth_count; i++) {
@@ -12848,8 +12847,8 @@ static void yci_state_write(yc_scene *s, char *buffer) {
     yci_state_pass(s, YCI_STATE_WRITE, buffer);
 }
 
-/* The scene's networks are those of the buffer. The model goes when welds differ, which a step may change; `fresh` makes
- * it go anyway, so that nothing of the past is left in it. */
+/* The scene's networks are those of the buffer. The model goes when welds differ, which a step may change; `fresh`
+ * makes it go anyway, so that nothing of the past is left in it. */
 static void yci_state_read(yc_scene *s, const char *buffer, int fresh) {
     const char *welded = buffer + yci_state_size(s, s->nodes, s->visits) - (size_t)s->seam_count; /* they come last */
     yci_state_head head;

@@ -1,4 +1,4 @@
-/* Yarn networks that change while a scene runs: pull-out, fraying, snags, breaks; and that nothing else is lost by it. */
+/* Yarn networks that change while a scene runs: pull-out, fraying, snags, breaks; and that nothing else is lost. */
 #include "internals.h"
 #include "test.h"
 #include <math.h>
@@ -113,7 +113,7 @@ static void hold_warps(swatch *w) {
     }
 }
 
-/* A weft drawn out by its right end leaves the warps from left to right, and each takes its share of friction with it. */
+/* A weft drawn out by its right end leaves the warps from left to right, and each takes its share of friction. */
 TEST(scene_topology_pull_out) {
     yc_yarn_material yarn = gripping(0.05);
     swatch w = swatch_new(NULL, SIDE, &yarn, 0);
