@@ -12334,10 +12334,10 @@ static yc_result yci_weld_closed(yc_scene *s) {
 /* ---- changes of networks ----
  *
  * Between two sub-steps, and all at once: what is due is marked, everything that can fail is acquired, then networks
- * and state are written anew. A visit that goes leaves one longer segment in place of its two; a crossing that it leaves
- * becomes a lone visit of the other yarn, whose sliding turns into motion of its node; a visit that comes stands in the
- * middle of its segment and moves with the material there. What linear momentum the first two would change goes to the
- * ends of the segment: to the lone ones, or else to both; what belongs to a pinned end is the pin's. */
+ * and state are written anew. A visit that goes leaves one longer segment in place of its two; a crossing that it
+ * leaves becomes a lone visit of the other yarn, whose sliding turns into motion of its node; a visit that comes stands
+ * in the middle of its segment and moves with the material there. What linear momentum the first two would change goes
+ * to the ends of the segment: to the lone ones, or else to both; what belongs to a pinned end is the pin's. */
 
 enum { YCI_ADD_NODE = 1, YCI_ADD_BREAK = 2 };
 
