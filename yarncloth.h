@@ -379,8 +379,8 @@ typedef struct yc_mesh {
 #define YC_ROD 2  /* runs along a seam and holds the yarns that end there */
 
 /* A yarn network as plain arrays. A yarn is a sequence of visits (node, arc length u), u strictly increasing. A node
- * visited by two yarns is a crossing. Made by yc_weave() or filled in by the caller (then the arrays are the caller's,
- * `owner` is NULL and yc_yarns_destroy does nothing). */
+ * visited by two yarns is a crossing, one that no yarn visits is idle. Made by yc_weave() or filled in by the caller
+ * (then the arrays are the caller's, `owner` is NULL and yc_yarns_destroy does nothing). */
 typedef struct yc_yarns {
     int node_count;
     double (*layout)[3];  /* [node_count], m: rest positions, flat: the pattern's (u, v, 0) */
@@ -398,7 +398,9 @@ typedef struct yc_yarns {
      * where that is 0; u is then true length along the undulating yarn. NULL: no crimp, u is measured along the layout
      */
     double *visit_height;
-    unsigned char *visit_held; /* [visit_count], nonzero: u is a label and never slides (ends, rods, lone visits) */
+    /* [visit_count], nonzero: u is a label and never slides (ends, rods, lone visits). An end alone at its node with 1
+     * is free, and may slide out of the crossing next to it; with 2 it is secured, as by a knot or a selvedge */
+    unsigned char *visit_held;
     int material_count;
     yc_yarn_material *materials; /* [material_count] */
     void *owner;                 /* the library's own; NULL: the caller's arrays */
@@ -640,21 +642,28 @@ typedef struct yc_cloth_desc {
     const double *grain;      /* [triangle_count], rad, material's direction against u; NULL: 0 */
     const double *prestretch; /* [triangle_count], rest = UV times this; > 0; NULL: 1 */
     int hold_sliding;         /* nonzero: no yarn slides; default 0 */
+    /* nonzero: the network stays as given (see yc_event): no yarn breaks, and none slides further than a fifth of the
+     * length laid between two nodes; default 0 */
+    int hold_network;
     /* validation (MIX Fig. 3): every triangle hybrid with alpha 1 and no sliding; default 0 */
     int enrich_all;
 } yc_cloth_desc;
 YC_API yc_cloth_desc yc_cloth_desc_default(void);
 
-/* Two chains of vertices to be sewn, pair by pair: springs draw them together over close_time, then the pairs are
- * welded into one vertex each. The caller's indices stay valid: both of a pair then report the same position. */
+typedef enum yc_point { YC_VERTEX, YC_NODE } yc_point; /* a vertex of the mesh, a node of the yarn network */
+
+/* Two chains of points to be sewn, pair by pair: springs draw them together over close_time. Then pairs of vertices are
+ * welded into one vertex each, while yarn nodes stay tied by their springs. The caller's indices stay valid: both
+ * vertices of a pair then report the same position. */
 typedef struct yc_seam_desc {
     unsigned cookie;   /* set by yc_seam_desc_default() */
     int cloth[2];      /* handles; may be the same */
+    yc_point kind;     /* of all its points; default YC_VERTEX */
     int count;         /* pairs; >= 1 */
-    const int *a, *b;  /* [count], vertices of cloth[0] and cloth[1]; a[k] meets b[k] */
+    const int *a, *b;  /* [count], points of cloth[0] and cloth[1]; a[k] meets b[k] */
     double stiffness;  /* N/m per pair; > 0; default 100 */
     double close_time; /* s, over which the springs' rest length shrinks to zero; >= 0; default 0.5 */
-    /* m: once every pair of the seam is closer, after close_time, it is welded; >= 0; default 2e-3 */
+    /* m: once every pair of vertices of the seam is closer, after close_time, it is welded; >= 0; default 2e-3 */
     double weld_distance;
     double rest_angle; /* rad, of hinges across the welded seam; (-pi, pi); default 0 */
 } yc_seam_desc;
@@ -737,6 +746,7 @@ typedef struct yc_stats {
     int dofs;                                            /* unknowns of the linear system */
     int body_contacts, pair_contacts;
     int welded;               /* seams welded so far */
+    int events;               /* changes of yarn networks: see yc_event */
     size_t bytes, bytes_peak; /* of this scene, as asked of the host */
     yc_solver solver;         /* what YC_SOLVER_AUTO picked */
 } yc_stats;
@@ -763,8 +773,6 @@ YC_API yc_result yc_scene_add_body(yc_scene *scene, const yc_body_desc *desc, in
  */
 YC_API yc_result yc_scene_move_body(yc_scene *scene, int body, const double rotation[9], const double translation[3]);
 
-typedef enum yc_point { YC_VERTEX, YC_NODE } yc_point; /* a vertex of the mesh, a node of the yarn network */
-
 /* Holds a point where it is (position NULL) or draws it to `position` over the next step, at constant speed; call again
  * to move it on. A vertex in the midst of full yarns has no mechanics: its pin passes to the nearest yarn node.
  * yc_scene_pin_force gives the force, N, that the pin exerts, of the last step. */
@@ -776,6 +784,39 @@ YC_API yc_result yc_scene_pin_force(const yc_scene *scene, int cloth, yc_point k
  * and time as before. stats may be NULL. Errors: ARGUMENT, MEMORY, DIVERGED, CANCELLED. */
 YC_API yc_result yc_scene_step(yc_scene *scene, double dt, yc_stats *stats);
 
+/* How the yarn networks of a scene change while it runs, where their yarns are free of triangles. */
+typedef enum yc_event_type {
+    YC_EVENT_RELEASE, /* `yarn` has slid out of its crossing with `other` at `node`, which stays a node of that alone */
+    YC_EVENT_MERGE,   /* `node`, which `yarn` visited alone, came too close to a crossing and is left out of the yarn */
+    YC_EVENT_SPLIT,   /* a segment of `yarn` has become long: `node` is new in its middle */
+    YC_EVENT_BREAK,   /* `yarn` broke: it ends in the new `node`, what is beyond it is the new yarn `other` */
+    YC_EVENT_LOOSE    /* `yarn` crosses no other any more; node is -1 */
+} yc_event_type;
+
+typedef struct yc_event {
+    yc_event_type type;
+    int cloth, yarn, other, node; /* other: see the type; else -1 */
+    double time;                  /* s */
+} yc_event;
+
+/* What happened in the last yc_scene_step, in order; *count of them. Valid until the next call that changes the scene.
+ * A step brings about what the state calls for when a sub-step begins, where `pitch` is the mean distance of
+ * neighbouring visits in all yarns of a family, as the cloth was given:
+ * - a free end that is closer than 0.15 pitch, in u, to its crossing slides out of it, and a lone node so close to a
+ *   crossing is left out;
+ * - a segment longer than twice its pitch, and than twice what was laid there, gets a node;
+ * - of the segments of a yarn whose tension exceeds its strength, and which are longer than 0.3 pitch, the one most
+ *   overloaded breaks in its middle.
+ * Mass, linear momentum and the positions of all nodes are what they were. Nodes and yarns keep their numbers for ever;
+ * new ones come last, except that a node which an event has made may serve again once it is idle. Visits are numbered
+ * anew. Pinned nodes, and ends that are tied to a crossing, to a rod or secured (visit_held), are not let go. */
+YC_API const yc_event *yc_scene_events(const yc_scene *scene, int *count);
+
+/* The network of a cloth as it is now: visit_u are the present sliding coordinates, and the layout of an end that has
+ * slid out of a crossing is that of the crossing. The arrays are the scene's: to be read only, until the next call that
+ * changes the scene. Counts of yc_scene_positions and yc_scene_sliding follow it. ARGUMENT: a cloth without yarns. */
+YC_API yc_result yc_scene_network(const yc_scene *scene, int cloth, yc_yarns *out);
+
 YC_API double yc_scene_time(const yc_scene *scene);
 /* Energies in J, by term; gravity against the world's origin. terms[YC_TERM_COUNT]. Returns MEMORY when the scene could
  * not be built. */
@@ -783,14 +824,14 @@ YC_API yc_result yc_scene_energy(yc_scene *scene, double terms[YC_TERM_COUNT]);
 /* Total mass, kg; linear and angular momentum about the origin. Any pointer may be NULL. */
 YC_API yc_result yc_scene_momentum(yc_scene *scene, double *mass, double linear[3], double angular[3]);
 
-/* Positions, velocities of a cloth's vertices or yarn nodes: out[count][3], count as in its mesh or network. A vertex
- * in the midst of full yarns is seen where the best affine fit of the yarn nodes around it puts it; dummy yarn nodes
- * follow the mesh. */
+/* Positions, velocities of a cloth's vertices or yarn nodes: out[count][3], count as in its mesh or present network. A
+ * vertex in the midst of full yarns is seen where the best affine fit of the yarn nodes around it puts it; dummy yarn
+ * nodes follow the mesh, and idle ones stay where they were left. */
 YC_API yc_result yc_scene_positions(yc_scene *scene, int cloth, yc_point kind, double (*out)[3]);
 YC_API yc_result yc_scene_velocities(yc_scene *scene, int cloth, yc_point kind, double (*out)[3]);
 /* Starts a point with a velocity, m/s. */
 YC_API yc_result yc_scene_set_velocity(yc_scene *scene, int cloth, yc_point kind, int index, const double velocity[3]);
-/* Sliding coordinates u of a cloth's visits, out[visit_count]. */
+/* Sliding coordinates u of a cloth's visits, out[visit_count] of its present network. */
 YC_API yc_result yc_scene_sliding(yc_scene *scene, int cloth, double *out);
 
 /* The cloth's triangles after welding, [triangle_count][3]: indices into the vertices of `cloth`, every welded vertex
@@ -6389,8 +6430,6 @@ static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *
     if (y->yarn_first[y->yarn_count] != y->visit_count)
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.yarn_first[%d] = %d must be visit_count, %d", y->yarn_count,
             y->yarn_first[y->yarn_count], y->visit_count);
-    for (i = 0; i < y->node_count; i++)
-        if (!visits[i]) return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.layout[%d]: no yarn visits this node", i);
     for (k = 0; k < y->visit_count; k++)
         if (visits[y->visit_node[k]] == 1 && !y->visit_held[k])
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_held[%d] = 0 must be 1: node %d has no other visit", k,
@@ -11287,15 +11326,17 @@ static yc_result yci_system_factor(yci_system *s) {
 
 typedef struct yci_cloth {
     yc_cloth_desc desc; /* its arrays are copies in the one block `memory` */
-    yc_yarns yarns;     /* likewise */
     void *memory;
+    yc_yarns yarns;  /* as it is now, in the block `owner`. visit_u is not the state: where it was laid what is there */
+    yc_yarns kept;   /* what it was when the user's step began; owner NULL: the same */
+    double pitch[3]; /* m, mean distance of neighbouring crossings, by family, as given */
+    int laid_nodes, laid_visits;       /* as given; nodes from laid_nodes on are made by events */
     int vertex, node, visit, triangle; /* first of each in the scene */
-    int height, turn; /* first of its nodes among those with z, with anchors of turning; -1: it has none */
 } yci_cloth;
 
 typedef struct yci_seam {
     yc_seam_desc desc;
-    int *a, *b;        /* scene vertices; one block, from a */
+    int *a, *b;        /* points of their cloths; one block, from a */
     double gap, start; /* m, largest distance of a pair when the seam was added, and s, when that was */
 } yci_seam;
 
@@ -11325,9 +11366,10 @@ typedef struct yci_turn {
     int rub, anchor; /* -1: none */
     double stiffness, reach;
 } yci_turn;
+/* `drop` is the visit that goes once the segment is shorter than `limit`; -1: none. */
 typedef struct yci_adjacent {
-    int a, b;
-    double stiffness, distance, hardness, floor;
+    int a, b, drop;
+    double stiffness, distance, hardness, floor, limit;
 } yci_adjacent;
 typedef struct yci_slide {
     int visit, rub; /* -1: none */
@@ -11395,6 +11437,8 @@ typedef struct yci_local {
 #define YCI_NET_NODES 9       /* yarn nodes per cell of a coarse net: 25 take twice the iterations at 5 ms */
 #define YCI_PATIENCE 3        /* Newton iterations without a lower E before line searches begin */
 #define YCI_JAM_WIDTH 0.05    /* rad, over which shear jamming rises to its full stiffness */
+#define YCI_TAIL 0.15         /* pitches: a yarn's end slides out of a crossing that is closer */
+#define YCI_LONG 2.0          /* pitches: a longer segment gets a node */
 
 #define YCI_ARRAY(type, name) \
     type *name; \
@@ -11409,14 +11453,13 @@ typedef struct yci_model {
     int *node_of;        /* [system nodes] */
     int *visit_slot;     /* [visits], the component of u in its node's block; -1: held */
     /* Crimp; NULL where the scene has none. */
-    int *height_of;     /* [visits], number of the node's z; -1: none */
-    int *height_slot;   /* [heights], the component of z in its node's block; -1: held */
-    int *height_node;   /* [heights] */
-    double *lift;       /* [visits], m, y at rest */
-    double *thrust;     /* [visits], N, dV/dy of the yarn alone; lagged */
-    double *mass;       /* [nodes], kg, of translation */
-    double *mass_fixed; /* [nodes], the part of it that no sliding changes */
-    double *reaction;   /* [3 pinned], N; behind the vectors from dof */
+    int *height_slot;         /* [nodes], the component of z in its node's block; -1: held; NULL without crimp */
+    unsigned char *undulates; /* [visits], whether z counts */
+    double *lift;             /* [visits], m, y at rest */
+    double *thrust;           /* [visits], N, dV/dy of the yarn alone; lagged */
+    double *mass;             /* [nodes], kg, of translation */
+    double *mass_fixed;       /* [nodes], the part of it that no sliding changes */
+    double *reaction;         /* [3 pinned], N; behind the vectors from dof */
     int pinned;
     YCI_ARRAY(yci_segment, segment);
     YCI_ARRAY(yci_bend, bend);
@@ -11460,14 +11503,14 @@ struct yc_scene {
     YCI_ARRAY(yci_body_sdf, body);
     /* topology of all cloths together */
     int vertices, nodes, visits, triangles; /* nodes: vertices and, behind them, yarn nodes */
-    int heights, turns;                     /* yarn nodes of the cloths with crimp; of those with friction */
+    int crimped, rubs;                      /* whether any cloth has crimp, friction */
     int *triangle;                          /* [3 triangles], scene vertices, welded */
     int *weld;                              /* [vertices], the lowest vertex welded with it */
     int *visit_node;                        /* [visits] */
     /* state */
     double *x, *velocity;       /* [3 nodes] */
     double *u, *slide, *anchor; /* [visits]: u, its velocity, its friction anchor */
-    double *z, *rise;           /* [heights]: z, its velocity */
+    double *z, *rise;           /* [nodes]: z, its velocity; NULL without crimp */
     double *turn;               /* [4 turns], rad: friction anchors of a crossing's pairs, from their rest angles */
     unsigned char *pin;         /* [nodes] */
     double *goal;               /* [3 nodes], where a pin draws its node over the next step */
@@ -11475,9 +11518,35 @@ struct yc_scene {
     yci_pose *pose;             /* [2 bodies]: where each is, where the next step takes it */
     double time, dt;            /* s; the sub-step that control has settled on */
     /* scratch of the state's size */
-    double *x_n, *u_n, *z_n; /* before the sub-step */
-    yci_model *model;        /* NULL: to be built */
+    double *x_n, *u_n, *z_n;   /* before the sub-step */
+    int node_room, visit_room; /* what the arrays of the state hold */
+    YCI_ARRAY(yc_event, event);
+    yci_model *model; /* NULL: to be built */
 };
+
+/* What the state keeps for each node or for each visit. */
+typedef struct yci_state_array {
+    void *array; /* address of the pointer */
+    int of_visits;
+    size_t size; /* bytes for each */
+} yci_state_array;
+
+enum { YCI_STATE_SAVED = 10, YCI_STATE_ARRAYS = 13 };
+
+/* The first YCI_STATE_SAVED are saved, doubles before bytes; the others are scratch. Size 0: not there. */
+static void yci_state_arrays(yc_scene *s, yci_state_array *list) {
+    const size_t one = sizeof(double), three = 3 * one, crimp = s->crimped ? one : 0, four = s->rubs ? 4 * one : 0;
+    const yci_state_array all[YCI_STATE_ARRAYS] = {{&s->x, 0, three}, {&s->velocity, 0, three}, {&s->goal, 0, three},
+        {&s->u, 1, one}, {&s->slide, 1, one}, {&s->anchor, 1, one}, {&s->z, 0, crimp}, {&s->rise, 0, crimp},
+        {&s->turn, 0, four}, {&s->pin, 0, 1}, {&s->x_n, 0, three}, {&s->u_n, 1, one}, {&s->z_n, 0, crimp}};
+    memcpy(list, all, sizeof all);
+}
+
+static char *yci_state_array_of(const yci_state_array *a) {
+    char *pointer;
+    memcpy(&pointer, a->array, sizeof pointer);
+    return pointer;
+}
 
 /* ---- descriptors ---- */
 
@@ -11577,6 +11646,11 @@ YC_API const char *yc_scene_message(const yc_scene *s) { return s ? s->c.message
 YC_API yc_scene_desc yc_scene_desc_get(const yc_scene *s) { return s->desc; }
 YC_API double yc_scene_time(const yc_scene *s) { return s->time; }
 
+YC_API const yc_event *yc_scene_events(const yc_scene *s, int *count) {
+    *count = s->event_count;
+    return s->event;
+}
+
 static void yci_model_destroy(yc_scene *s) {
     yci_context *c = &s->c;
     yci_model *m = s->model;
@@ -11585,8 +11659,7 @@ static void yci_model_destroy(yc_scene *s) {
     yci_free(c, m->role), yci_free(c, m->share), yci_free(c, m->held), yci_free(c, m->holder),
         yci_free(c, m->system_node), yci_free(c, m->node_of);
     yci_free(c, m->visit_slot), yci_free(c, m->mass), yci_free(c, m->mass_fixed);
-    yci_free(c, m->height_of), yci_free(c, m->height_slot), yci_free(c, m->height_node), yci_free(c, m->lift),
-        yci_free(c, m->thrust);
+    yci_free(c, m->undulates), yci_free(c, m->height_slot), yci_free(c, m->lift), yci_free(c, m->thrust);
     yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear), yci_free(c, m->turn),
         yci_free(c, m->adjacent), yci_free(c, m->slide), yci_free(c, m->rub);
     yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
@@ -11613,7 +11686,7 @@ YC_API void yc_scene_destroy(yc_scene *s) {
     int i;
     if (!s) return;
     yci_model_destroy(s);
-    for (i = 0; i < s->cloth_count; i++) yci_free(&s->c, s->cloth[i].memory);
+    for (i = 0; i < s->cloth_count; i++) yci_free(&s->c, s->cloth[i].memory), yci_free(&s->c, s->cloth[i].yarns.owner);
     for (i = 0; i < s->seam_count; i++) yci_free(&s->c, s->seam[i].a);
     for (i = 0; i < s->body_count; i++) yci_body_free(&s->c, s->body + i);
     yci_free(&s->c, s->cloth), yci_free(&s->c, s->seam), yci_free(&s->c, s->body);
@@ -11621,7 +11694,7 @@ YC_API void yc_scene_destroy(yc_scene *s) {
     yci_free(&s->c, s->x), yci_free(&s->c, s->velocity), yci_free(&s->c, s->u), yci_free(&s->c, s->slide);
     yci_free(&s->c, s->anchor), yci_free(&s->c, s->pin), yci_free(&s->c, s->goal), yci_free(&s->c, s->welded);
     yci_free(&s->c, s->pose), yci_free(&s->c, s->x_n), yci_free(&s->c, s->u_n), yci_free(&s->c, s->z_n);
-    yci_free(&s->c, s->z), yci_free(&s->c, s->rise), yci_free(&s->c, s->turn);
+    yci_free(&s->c, s->z), yci_free(&s->c, s->rise), yci_free(&s->c, s->turn), yci_free(&s->c, s->event);
     c = s->c;
     yci_free(&c, s);
 }
@@ -11727,32 +11800,84 @@ static size_t yci_cloth_pack(yci_cloth *out, const yc_cloth_desc *d, char *block
     out->desc.alpha = (const double *)yci_pack(block, &at, d->alpha, vertices, sizeof(double));
     out->desc.grain = (const double *)yci_pack(block, &at, d->grain, triangles, sizeof(double));
     out->desc.prestretch = (const double *)yci_pack(block, &at, d->prestretch, triangles, sizeof(double));
-    if (d->yarns) {
-        const yc_yarns *y = d->yarns;
-        size_t nodes = (size_t)y->node_count, yarns = (size_t)y->yarn_count, visits = (size_t)y->visit_count;
-        out->yarns = *y;
-        out->yarns.owner = NULL;
-        out->yarns.layout = (double(*)[3])yci_pack(block, &at, y->layout, nodes, sizeof y->layout[0]);
-        out->yarns.triangle = (int *)yci_pack(block, &at, vertices ? y->triangle : NULL, nodes, sizeof(int));
-        out->yarns.weights =
-            (double(*)[3])yci_pack(block, &at, vertices ? y->weights : NULL, nodes, sizeof y->weights[0]);
-        out->yarns.yarn_first = (int *)yci_pack(block, &at, y->yarn_first, yarns + 1, sizeof(int));
-        out->yarns.yarn_family = (unsigned char *)yci_pack(block, &at, y->yarn_family, yarns, 1);
-        out->yarns.yarn_material = (int *)yci_pack(block, &at, y->yarn_material, yarns, sizeof(int));
-        out->yarns.visit_node = (int *)yci_pack(block, &at, y->visit_node, visits, sizeof(int));
-        out->yarns.visit_u = (double *)yci_pack(block, &at, y->visit_u, visits, sizeof(double));
-        out->yarns.visit_height = (double *)yci_pack(block, &at, y->visit_height, visits, sizeof(double));
-        out->yarns.visit_layer = (signed char *)yci_pack(block, &at, y->visit_layer, visits, 1);
-        out->yarns.visit_held = (unsigned char *)yci_pack(block, &at, y->visit_held, visits, 1);
-        out->yarns.materials =
-            (yc_yarn_material *)yci_pack(block, &at, y->materials, (size_t)y->material_count, sizeof *y->materials);
-    }
-    out->desc.yarns = d->yarns ? &out->yarns : NULL; /* valid while *out stays where it is: see yci_cloth_yarns */
+    out->desc.yarns = NULL; /* see yci_cloth_yarns */
     return at;
 }
 
-/* The arrays of cloths may move, so their yarns are reached through this. */
-static const yc_yarns *yci_cloth_yarns(const yci_cloth *cloth) { return cloth->desc.yarns ? &cloth->yarns : NULL; }
+static const yc_yarns *yci_cloth_yarns(const yci_cloth *cloth) { return cloth->yarns.owner ? &cloth->yarns : NULL; }
+
+static int yci_cloth_points(const yci_cloth *cloth, yc_point kind) {
+    return kind == YC_VERTEX ? cloth->desc.mesh.vertex_count : cloth->yarns.node_count;
+}
+
+/* The arrays of a network but its materials, doubles first. */
+typedef struct yci_network_part {
+    void *data;
+    size_t bytes;
+} yci_network_part;
+
+enum { YCI_NETWORK_PARTS = 11 };
+
+static void yci_network_parts(const yc_yarns *y, yci_network_part *list) {
+    size_t nodes = (size_t)y->node_count, yarns = (size_t)y->yarn_count, visits = (size_t)y->visit_count;
+    const yci_network_part all[YCI_NETWORK_PARTS] = {{y->layout, nodes * sizeof *y->layout},
+        {y->weights, y->weights ? nodes * sizeof *y->weights : 0}, {y->visit_u, visits * sizeof *y->visit_u},
+        {y->visit_height, y->visit_height ? visits * sizeof *y->visit_height : 0},
+        {y->triangle, y->triangle ? nodes * sizeof *y->triangle : 0}, {y->yarn_first, (yarns + 1) * sizeof(int)},
+        {y->yarn_material, yarns * sizeof(int)}, {y->visit_node, visits * sizeof(int)}, {y->yarn_family, yarns},
+        {y->visit_layer, visits}, {y->visit_held, visits}};
+    memcpy(list, all, sizeof all);
+}
+
+/* Makes a network with room for these counts and the materials of another. */
+static int yci_network_new(
+    yci_context *c, const yc_yarns *like, int nodes, int yarns, int visits, int on_mesh, yc_yarns *out) {
+    char *block;
+    memset(out, 0, sizeof *out);
+    out->node_count = nodes, out->yarn_count = yarns, out->visit_count = visits;
+    out->material_count = like->material_count;
+    block = (char *)yci_alloc(c, yci_weave_arrays(out, NULL, on_mesh, like->visit_height != NULL), 1);
+    if (!block) return 0;
+    yci_weave_arrays(out, block, on_mesh, like->visit_height != NULL);
+    memcpy(out->materials, like->materials, (size_t)like->material_count * sizeof *like->materials);
+    return 1;
+}
+
+static int yci_network_copy(yci_context *c, const yc_yarns *y, int on_mesh, yc_yarns *out) {
+    yci_network_part from[YCI_NETWORK_PARTS], to[YCI_NETWORK_PARTS];
+    int i;
+    if (!yci_network_new(c, y, y->node_count, y->yarn_count, y->visit_count, on_mesh, out)) return 0;
+    yci_network_parts(y, from), yci_network_parts(out, to);
+    for (i = 0; i < YCI_NETWORK_PARTS; i++)
+        if (to[i].bytes) memcpy(to[i].data, from[i].data, to[i].bytes);
+    return 1;
+}
+
+/* The mean distance of neighbouring crossings, for each family; of all its visits where it has no such pair. */
+static void yci_network_pitch(const yc_yarns *y, double pitch[3]) {
+    double sum[2][3] = {{0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}};
+    int count[2][3] = {{0, 0, 0}, {0, 0, 0}}, i, k;
+    for (i = 0; i < y->yarn_count; i++)
+        for (k = y->yarn_first[i]; k + 1 < y->yarn_first[i + 1]; k++) {
+            int family = y->yarn_family[i], inner = y->visit_layer[k] != 0 && y->visit_layer[k + 1] != 0;
+            sum[inner][family] += y->visit_u[k + 1] - y->visit_u[k], count[inner][family]++;
+        }
+    for (i = 0; i < 3; i++)
+        pitch[i] = count[1][i] ? sum[1][i] / count[1][i] : count[0][i] ? sum[0][i] / count[0][i] : 0.0;
+}
+
+/* Numbers the yarn nodes and visits of all cloths by their networks. */
+static void yci_scene_number(yc_scene *s) {
+    int i, k;
+    s->nodes = s->vertices, s->visits = 0;
+    for (i = 0; i < s->cloth_count; i++) {
+        yci_cloth *cloth = s->cloth + i;
+        cloth->node = s->nodes, cloth->visit = s->visits;
+        for (k = 0; k < cloth->yarns.visit_count; k++)
+            s->visit_node[s->visits + k] = s->nodes + cloth->yarns.visit_node[k];
+        s->nodes += cloth->yarns.node_count, s->visits += cloth->yarns.visit_count;
+    }
+}
 
 /* Writes a new cloth's part of the state and topology, behind what is there. */
 static void yci_cloth_start(yc_scene *s, yci_cloth *cloth, const yc_cloth_desc *d) {
@@ -11772,24 +11897,33 @@ static void yci_cloth_start(yc_scene *s, yci_cloth *cloth, const yc_cloth_desc *
             for (k = 0; k < 3; k++)
                 yci_axpy(x, y->weights[i][k], d->mesh.positions[d->mesh.triangles[y->triangle[i]][k]]);
     }
-    for (j = 0; y && j < y->visit_count; j++) {
-        s->visit_node[cloth->visit + j] = cloth->node + y->visit_node[j];
-        s->u[cloth->visit + j] = s->anchor[cloth->visit + j] = y->visit_u[j];
-    }
+    for (j = 0; y && j < y->visit_count; j++) s->u[cloth->visit + j] = s->anchor[cloth->visit + j] = y->visit_u[j];
 }
 
 /* Vertices of a new cloth stand before all yarn nodes: those of earlier cloths move up by `shift`. */
 static void yci_scene_shift_nodes(yc_scene *s, int shift) {
-    int i, yarn_nodes = s->nodes - s->vertices;
-    size_t bytes = (size_t)yarn_nodes * 3 * sizeof(double), from = 3 * (size_t)s->vertices,
-           to = from + 3 * (size_t)shift;
-    memmove(s->x + to, s->x + from, bytes), memset(s->x + from, 0, (to - from) * sizeof(double));
-    memmove(s->velocity + to, s->velocity + from, bytes), memset(s->velocity + from, 0, (to - from) * sizeof(double));
-    memmove(s->goal + to, s->goal + from, bytes);
-    memmove(s->pin + s->vertices + shift, s->pin + s->vertices, (size_t)yarn_nodes);
-    memset(s->pin + s->vertices, 0, (size_t)shift);
-    for (i = 0; i < s->visits; i++) s->visit_node[i] += shift;
-    for (i = 0; i < s->cloth_count; i++) s->cloth[i].node += shift;
+    yci_state_array list[YCI_STATE_ARRAYS];
+    int i;
+    yci_state_arrays(s, list);
+    for (i = 0; i < YCI_STATE_ARRAYS; i++) {
+        char *from = yci_state_array_of(list + i) + (size_t)s->vertices * list[i].size;
+        if (list[i].of_visits || !list[i].size) continue;
+        memmove(from + (size_t)shift * list[i].size, from, (size_t)(s->nodes - s->vertices) * list[i].size);
+        memset(from, 0, (size_t)shift * list[i].size);
+    }
+}
+
+/* What makes the arrays of the state, and visit_node, hold that many nodes and visits; returns the number of items. */
+static int yci_state_grow(yc_scene *s, int nodes, int visits, yci_grow *grow) {
+    yci_state_array list[YCI_STATE_ARRAYS];
+    int i, n = 0;
+    yci_state_arrays(s, list);
+    for (i = 0; i < YCI_STATE_ARRAYS; i++) {
+        int used = list[i].of_visits ? s->visits : s->nodes, need = list[i].of_visits ? visits : nodes;
+        if (list[i].size) grow[n++] = yci_grow_item(list[i].array, used, need - used, 1, list[i].size);
+    }
+    grow[n++] = yci_grow_item(&s->visit_node, s->visits, visits - s->visits, 1, sizeof(int));
+    return n;
 }
 
 static int yci_yarns_rub(const yc_yarns *y) {
@@ -11802,8 +11936,8 @@ static int yci_yarns_rub(const yc_yarns *y) {
 YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int *handle) {
     yci_context *c = &s->c;
     yci_cloth cloth;
-    yci_grow grow[17];
-    int vertices, nodes = 0, visits = 0, heights = 0, turns = 0, n = 0;
+    yci_grow grow[YCI_STATE_ARRAYS + 4];
+    int vertices, nodes = s->nodes, visits = s->visits, crimped = s->crimped, rubs = s->rubs, n;
     yc_result result = yci_cloth_check(c, desc);
     if (result != YC_OK) return result;
     memset(&cloth, 0, sizeof cloth);
@@ -11811,41 +11945,32 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
     if (!cloth.memory) return yci_out_of_memory(c, "the cloth");
     yci_cloth_pack(&cloth, desc, (char *)cloth.memory);
     vertices = desc->mesh.vertex_count;
-    if (desc->yarns) {
-        nodes = desc->yarns->node_count, visits = desc->yarns->visit_count;
-        heights = desc->yarns->visit_height ? nodes : 0, turns = yci_yarns_rub(desc->yarns) ? nodes : 0;
+    if (desc->yarns && !yci_network_copy(c, desc->yarns, vertices > 0, &cloth.yarns)) {
+        yci_free(c, cloth.memory);
+        return yci_out_of_memory(c, "the cloth");
     }
+    nodes += vertices + cloth.yarns.node_count, visits += cloth.yarns.visit_count;
+    if (desc->yarns) s->crimped |= desc->yarns->visit_height != NULL, s->rubs |= yci_yarns_rub(desc->yarns);
+    n = yci_state_grow(s, nodes, visits, grow);
     grow[n++] = yci_grow_item(&s->cloth, s->cloth_count, 1, 1, sizeof *s->cloth);
     grow[n++] = yci_grow_item(&s->triangle, s->triangles, desc->mesh.triangle_count, 3, sizeof(int));
     grow[n++] = yci_grow_item(&s->weld, s->vertices, vertices, 1, sizeof(int));
-    grow[n++] = yci_grow_item(&s->visit_node, s->visits, visits, 1, sizeof(int));
-    grow[n++] = yci_grow_item(&s->x, s->nodes, vertices + nodes, 3, sizeof(double));
-    grow[n++] = yci_grow_item(&s->x_n, s->nodes, vertices + nodes, 3, sizeof(double));
-    grow[n++] = yci_grow_item(&s->u_n, s->visits, visits, 1, sizeof(double));
-    grow[n++] = yci_grow_item(&s->velocity, s->nodes, vertices + nodes, 3, sizeof(double));
-    grow[n++] = yci_grow_item(&s->u, s->visits, visits, 1, sizeof(double));
-    grow[n++] = yci_grow_item(&s->slide, s->visits, visits, 1, sizeof(double));
-    grow[n++] = yci_grow_item(&s->anchor, s->visits, visits, 1, sizeof(double));
-    grow[n++] = yci_grow_item(&s->z, s->heights, heights, 1, sizeof(double));
-    grow[n++] = yci_grow_item(&s->z_n, s->heights, heights, 1, sizeof(double));
-    grow[n++] = yci_grow_item(&s->rise, s->heights, heights, 1, sizeof(double));
-    grow[n++] = yci_grow_item(&s->turn, s->turns, turns, 4, sizeof(double));
-    grow[n++] = yci_grow_item(&s->pin, s->nodes, vertices + nodes, 1, 1);
-    grow[n++] = yci_grow_item(&s->goal, s->nodes, vertices + nodes, 3, sizeof(double));
     if (!yci_grow_acquire(c, grow, n)) {
-        yci_free(c, cloth.memory);
+        yci_free(c, cloth.memory), yci_free(c, cloth.yarns.owner);
+        s->crimped = crimped, s->rubs = rubs;
         return yci_out_of_memory(c, "the cloth");
     }
     yci_grow_commit(c, grow, n);
     yci_scene_shift_nodes(s, vertices);
-    cloth.vertex = s->vertices, cloth.node = s->nodes + vertices, cloth.visit = s->visits,
-    cloth.triangle = s->triangles, cloth.height = heights ? s->heights : -1, cloth.turn = turns ? s->turns : -1;
-    s->heights += heights, s->turns += turns, s->vertices += vertices, s->nodes += vertices + nodes,
-        s->visits += visits, s->triangles += desc->mesh.triangle_count;
-    s->cloth[s->cloth_count] = cloth;
-    yci_cloth_start(s, s->cloth + s->cloth_count, desc);
-    if (handle) *handle = s->cloth_count;
-    s->cloth_count++;
+    s->node_room = nodes, s->visit_room = visits;
+    cloth.laid_nodes = cloth.yarns.node_count, cloth.laid_visits = cloth.yarns.visit_count;
+    if (desc->yarns) yci_network_pitch(desc->yarns, cloth.pitch);
+    cloth.vertex = s->vertices, cloth.triangle = s->triangles;
+    s->vertices += vertices, s->triangles += desc->mesh.triangle_count;
+    s->cloth[s->cloth_count++] = cloth;
+    yci_scene_number(s);
+    yci_cloth_start(s, s->cloth + s->cloth_count - 1, desc);
+    if (handle) *handle = s->cloth_count - 1;
     yci_model_destroy(s);
     return YC_OK;
 }
@@ -11877,23 +12002,25 @@ static yc_result yci_seam_check(yc_scene *s, const yc_seam_desc *d) {
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.cookie: not made by yc_seam_desc_default()");
     chain[0] = d->a, chain[1] = d->b;
     if (d->count < 1) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.count = %d must be at least 1", d->count);
+    if (d->kind != YC_VERTEX && d->kind != YC_NODE)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.kind = %d is neither YC_VERTEX nor YC_NODE", (int)d->kind);
     for (side = 0; side < 2; side++) {
         r = yci_handle_check(c, "seam.cloth", d->cloth[side], s->cloth_count);
         if (r != YC_OK) return r;
         if (!chain[side]) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.%c is NULL", "ab"[side]);
         for (i = 0; i < d->count; i++)
-            if (chain[side][i] < 0 || chain[side][i] >= s->cloth[d->cloth[side]].desc.mesh.vertex_count)
-                return YCI_FAIL(
-                    c, YC_ERROR_ARGUMENT, "seam.%c[%d] = %d is no vertex of its cloth", "ab"[side], i, chain[side][i]);
+            if (chain[side][i] < 0 || chain[side][i] >= yci_cloth_points(s->cloth + d->cloth[side], d->kind))
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.%c[%d] = %d is no %s of its cloth", "ab"[side], i,
+                    chain[side][i], d -> kind == YC_VERTEX ? "vertex" : "node");
     }
     for (i = 0; i < d->count; i++)
-        if (s->cloth[d->cloth[0]].vertex + d->a[i] == s->cloth[d->cloth[1]].vertex + d->b[i])
-            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.b[%d] = %d sews a vertex to itself", i, d->b[i]);
+        if (d->cloth[0] == d->cloth[1] && d->a[i] == d->b[i])
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "seam.b[%d] = %d sews a point to itself", i, d->b[i]);
     r = yci_scene_range(c, "seam.stiffness", d->stiffness, 0.0, 1e12, 1);
     if (r == YC_OK) r = yci_scene_range(c, "seam.close_time", d->close_time, 0.0, 1e12, 0);
     if (r == YC_OK) r = yci_scene_range(c, "seam.weld_distance", d->weld_distance, 0.0, 1e12, 0);
     if (r == YC_OK) r = yci_scene_range(c, "seam.rest_angle", fabs(d->rest_angle), 0.0, 3.14, 0);
-    for (i = 0; r == YC_OK && i + 1 < d->count; i++) {
+    for (i = 0; r == YC_OK && d->kind == YC_VERTEX && i + 1 < d->count; i++) {
         int a = s->cloth[d->cloth[0]].vertex, b = s->cloth[d->cloth[1]].vertex;
         int forward = yci_scene_edge_direction(s, a + d->a[i], a + d->a[i + 1]);
         int backward = yci_scene_edge_direction(s, b + d->b[i], b + d->b[i + 1]);
@@ -11903,6 +12030,13 @@ static yc_result yci_seam_check(yc_scene *s, const yc_seam_desc *d) {
                 d->a[i + 1], d->b[i], d->b[i + 1]);
     }
     return r;
+}
+
+/* The scene's node of a seam's point, welded. */
+static int yci_seam_point(const yc_scene *s, const yci_seam *seam, int side, int k) {
+    const yci_cloth *cloth = s->cloth + seam->desc.cloth[side];
+    int index = (side ? seam->b : seam->a)[k];
+    return seam->desc.kind == YC_VERTEX ? s->weld[cloth->vertex + index] : cloth->node + index;
 }
 
 YC_API yc_result yc_scene_add_seam(yc_scene *s, const yc_seam_desc *desc, int *handle) {
@@ -11925,9 +12059,8 @@ YC_API yc_result yc_scene_add_seam(yc_scene *s, const yc_seam_desc *desc, int *h
     seam.b = seam.a + desc->count;
     for (i = 0; i < desc->count; i++) {
         double d[3];
-        seam.a[i] = s->cloth[desc->cloth[0]].vertex + desc->a[i];
-        seam.b[i] = s->cloth[desc->cloth[1]].vertex + desc->b[i];
-        yci_sub(d, s->x + 3 * seam.a[i], s->x + 3 * seam.b[i]);
+        seam.a[i] = desc->a[i], seam.b[i] = desc->b[i];
+        yci_sub(d, s->x + 3 * yci_seam_point(s, &seam, 0, i), s->x + 3 * yci_seam_point(s, &seam, 1, i));
         seam.gap = yci_max(seam.gap, yci_norm(d));
     }
     seam.start = s->time;
@@ -11987,9 +12120,7 @@ static yc_result yci_scene_point(yc_scene *s, int cloth, yc_point kind, int inde
     if (result != YC_OK) return result;
     if (kind != YC_VERTEX && kind != YC_NODE)
         return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "kind = %d is neither YC_VERTEX nor YC_NODE", (int)kind);
-    count = kind == YC_VERTEX        ? s->cloth[cloth].desc.mesh.vertex_count
-        : s->cloth[cloth].desc.yarns ? s->cloth[cloth].yarns.node_count
-                                     : 0;
+    count = yci_cloth_points(s->cloth + cloth, kind);
     if (index < 0 || index >= count)
         return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "%s %d of cloth %d is not in [0, %d)",
             kind == YC_VERTEX ? "vertex" : "node", index, cloth, count);
@@ -12039,7 +12170,7 @@ static double yci_raise(double alpha) { return alpha > 0.0 && alpha < 0.01 ? 0.0
 
 /* Alpha at a cloth's vertex; without yarns nothing blends. */
 static double yci_cloth_alpha(const yci_cloth *cloth, int vertex) {
-    if (!cloth->desc.yarns) return 0.0;
+    if (!yci_cloth_yarns(cloth)) return 0.0;
     if (cloth->desc.enrich_all) return 1.0;
     return cloth->desc.alpha ? cloth->desc.alpha[vertex] : cloth->desc.alpha_uniform;
 }
@@ -12049,7 +12180,7 @@ static int yci_cloth_region(const yci_cloth *cloth, int triangle, double *mean) 
     const int *v = cloth->desc.mesh.triangles[triangle];
     double a = yci_cloth_alpha(cloth, v[0]), b = yci_cloth_alpha(cloth, v[1]), d = yci_cloth_alpha(cloth, v[2]);
     *mean = (a + b + d) / 3.0;
-    if (cloth->desc.enrich_all && cloth->desc.yarns) return YCI_HYBRID;
+    if (cloth->desc.enrich_all && yci_cloth_yarns(cloth)) return YCI_HYBRID;
     return a >= 1.0 && b >= 1.0 && d >= 1.0 ? YCI_FULL : a <= 0.0 && b <= 0.0 && d <= 0.0 ? YCI_TRIANGLE : YCI_HYBRID;
 }
 
@@ -12223,6 +12354,26 @@ static int yci_build_kink(const yci_build *b, int yarn, int visit, double alpha)
     return 1;
 }
 
+static int yci_is_sewn(const yc_scene *s, int node) {
+    int i, k;
+    for (i = 0; i < s->seam_count; i++)
+        for (k = 0; s->seam[i].desc.kind == YC_NODE && k < s->seam[i].desc.count; k++)
+            if (yci_seam_point(s, s->seam + i, 0, k) == node || yci_seam_point(s, s->seam + i, 1, k) == node) return 1;
+    return 0;
+}
+
+/* The segment between a lone visit and a crossing that slides may be used up: then a yarn's end leaves the crossing,
+ * and any other lone visit leaves the yarn. */
+static void yci_build_tail(const yci_build *b, int yarn, int lone, int slider, yci_adjacent *e) {
+    const yc_yarns *y = b->yarns;
+    int end = lone == y->yarn_first[yarn] || lone + 1 == y->yarn_first[yarn + 1], goes = end ? slider : lone;
+    int node = b->cloth->node + y->visit_node[goes];
+    if (b->cloth->desc.hold_network || (end && y->visit_held[lone] > 1)) return;
+    e->limit = YCI_TAIL * b->cloth->pitch[y->yarn_family[yarn]], e->floor = 0.2 * e->limit;
+    if (b->m->held[node] || yci_is_sewn(b->s, node)) return;
+    if (end || (yci_build_full(b, lone - 1) && yci_build_full(b, lone + 1))) e->drop = b->cloth->visit + goes;
+}
+
 static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *crossing) {
     const yc_yarns *y = b->yarns;
     const yc_yarn_material *material = yci_yarn_of(b, yarn);
@@ -12253,7 +12404,9 @@ static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *cros
             alpha = yci_raise(0.5 * (yci_build_share(b, a) + yci_build_share(b, a + 1)));
             e->a = base, e->b = base + 1, e->stiffness = parallel ? alpha * material->contact : 0.0;
             e->distance = yci_min(touching, 0.9 * rest);
-            e->hardness = alpha * 1e-3 * material->stretch, e->floor = 0.2 * rest;
+            e->hardness = alpha * 1e-3 * material->stretch, e->floor = 0.2 * rest, e->drop = -1, e->limit = 0.0;
+            if (here->count == 1) yci_build_tail(b, yarn, a, a + 1, e);
+            if (next->count == 1) yci_build_tail(b, yarn, a + 1, a, e);
         }
     }
     return 1;
@@ -12294,10 +12447,10 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
         e->stiffness = yci_raise(alpha) * 0.5 * (p->shear + q->shear),
         e->limit = yci_min(p->shear_limit, q->shear_limit);
         e->rest = yci_yarn_shear_strain(q9), e->previous = e->rest;
-        if (!b->s->turns) continue;
+        if (!b->s->rubs) continue;
         turn = YCI_PUSH(b, turn);
         if (!turn) return 0;
-        turn->rub = here->rub, turn->anchor = here->rub < 0 ? -1 : 4 * (b->cloth->turn + node) + i;
+        turn->rub = here->rub, turn->anchor = here->rub < 0 ? -1 : 4 * (b->cloth->node + node) + i;
         turn->stiffness = yci_raise(alpha) * 0.125 * (p->slide + q->slide) * rho * rho;
         turn->reach = yci_raise(alpha) * rho / 6.0;
     }
@@ -12327,22 +12480,28 @@ static void yci_build_slots(const yci_build *b, const yci_crossing *crossing) {
     }
 }
 
-/* Which crossings have a z: those of full nodes whose yarns lie on each other. It comes behind the sliding visits. */
+/* Which nodes have a z: full ones where two yarns lie on each other, or where one has slid out and the other goes on.
+ * It comes behind the sliding visits. */
 static void yci_build_heights(const yci_build *b, const yci_crossing *crossing) {
     const yc_yarns *y = b->yarns;
     yci_model *m = b->m;
     int k;
     for (k = 0; k < y->visit_count; k++) {
         m->lift[b->cloth->visit + k] = yci_visit_rise(y, k);
-        m->height_of[b->cloth->visit + k] = y->visit_height ? b->cloth->height + y->visit_node[k] : -1;
+        m->undulates[b->cloth->visit + k] = y->visit_height != NULL;
     }
-    for (k = 0; y->visit_height && k < y->node_count; k++) {
-        const int *visit = crossing[k].visit, node = b->cloth->node + k, height = b->cloth->height + k;
-        m->height_node[height] = node, m->height_slot[height] = -1;
-        if (crossing[k].count == 2 && y->visit_layer[visit[0]] && y->visit_layer[visit[1]] &&
-            m->role[node] == YCI_FULL && !m->held[node])
-            m->height_slot[height] =
-                3 + (m->visit_slot[b->cloth->visit + visit[0]] >= 0) + (m->visit_slot[b->cloth->visit + visit[1]] >= 0);
+    for (k = 0; k < y->node_count; k++) {
+        const yci_crossing *here = crossing + k;
+        int node = b->cloth->node + k, i, free = m->role[node] == YCI_FULL && !m->held[node];
+        m->height_slot[node] = -1;
+        if (!y->visit_height || !here->count || !free) continue;
+        if (here->count == 1) {
+            const int *first = y->yarn_first + here->yarn[0], visit = here->visit[0];
+            free = visit > first[0] && visit + 1 < first[1];
+        } else free = y->visit_layer[here->visit[0]] && y->visit_layer[here->visit[1]];
+        if (!free) continue;
+        m->height_slot[node] = 3;
+        for (i = 0; i < here->count; i++) m->height_slot[node] += m->visit_slot[b->cloth->visit + here->visit[i]] >= 0;
     }
 }
 
@@ -12372,18 +12531,23 @@ static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
     return 1;
 }
 
+/* Enters a network's visits at their nodes. Visits are numbered from `first`, nodes by visit_node. */
+static void yci_crossing_fill(yci_crossing *crossing, const yc_yarns *y, const int *visit_node, int first) {
+    int yarn, visit;
+    for (yarn = 0; yarn < y->yarn_count; yarn++)
+        for (visit = y->yarn_first[yarn]; visit < y->yarn_first[yarn + 1]; visit++) {
+            yci_crossing *at = crossing + visit_node[visit];
+            at->visit[at->count] = first + visit, at->yarn[at->count++] = yarn;
+        }
+}
+
 static int yci_build_yarns(yci_build *b) {
     yci_context *c = &b->s->c;
     const yc_yarns *y = b->yarns;
     yci_crossing *crossing = YCI_NEW(c, yci_crossing, y->node_count);
-    int yarn, visit, node, ok = crossing != NULL;
-    for (yarn = 0; ok && yarn < y->yarn_count; yarn++)
-        for (visit = y->yarn_first[yarn]; visit < y->yarn_first[yarn + 1]; visit++) {
-            yci_crossing *at = crossing + y->visit_node[visit];
-            at->visit[at->count] = visit, at->yarn[at->count++] = yarn;
-        }
-    if (ok) yci_build_slots(b, crossing);
-    if (ok && b->m->height_of) yci_build_heights(b, crossing);
+    int yarn, node, ok = crossing != NULL;
+    if (ok) yci_crossing_fill(crossing, y, y->visit_node, 0), yci_build_slots(b, crossing);
+    if (ok && b->m->height_slot) yci_build_heights(b, crossing);
     for (yarn = 0; ok && yarn < y->yarn_count; yarn++) ok = yci_build_yarn(b, yarn, crossing);
     for (node = 0; ok && node < y->node_count; node++) ok = yci_build_slides(b, crossing + node, node);
     for (node = 0; ok && node < y->node_count; node++) ok = yci_build_shear(b, crossing, node);
@@ -12406,7 +12570,7 @@ static void yci_cloth_uv(const yci_cloth *cloth, int triangle, double uv[6]) {
 static int yci_cloth_weight(const yci_cloth *cloth, int triangle, double *weight) {
     double mean;
     int region = yci_cloth_region(cloth, triangle, &mean);
-    *weight = cloth->desc.enrich_all && cloth->desc.yarns ? 0.0 : yci_raise(1.0 - mean);
+    *weight = cloth->desc.enrich_all && yci_cloth_yarns(cloth) ? 0.0 : yci_raise(1.0 - mean);
     return region != YCI_FULL;
 }
 
@@ -12484,7 +12648,7 @@ static double yci_seam_angle(const yc_scene *s, int lo, int hi) {
     int i, k;
     for (i = 0; i < s->seam_count; i++)
         for (k = 0; s->welded[i] && s->seam[i].desc.rest_angle != 0.0 && k + 1 < s->seam[i].desc.count; k++) {
-            int p = s->weld[s->seam[i].a[k]], q = s->weld[s->seam[i].a[k + 1]];
+            int p = yci_seam_point(s, s->seam + i, 0, k), q = yci_seam_point(s, s->seam + i, 0, k + 1);
             if ((p == lo && q == hi) || (p == hi && q == lo)) return s->seam[i].desc.rest_angle;
         }
     return 0.0;
@@ -12558,7 +12722,7 @@ static int yci_build_stitches(yci_build *b) {
     int i, k;
     for (i = 0; i < b->s->seam_count; i++)
         for (k = 0; !b->s->welded[i] && k < b->s->seam[i].desc.count; k++) {
-            int p = b->s->weld[b->s->seam[i].a[k]], q = b->s->weld[b->s->seam[i].b[k]];
+            int p = yci_seam_point(b->s, b->s->seam + i, 0, k), q = yci_seam_point(b->s, b->s->seam + i, 1, k);
             yci_stitch *e;
             if (p == q) continue;
             e = YCI_PUSH(b, stitch);
@@ -12602,8 +12766,8 @@ static void yci_build_unknowns(yc_scene *s, yci_model *m, int *dim, int *count) 
     }
     for (i = 0; i < s->visits; i++)
         if (m->visit_slot[i] >= 0) dim[m->system_node[s->visit_node[i]]]++;
-    for (i = 0; i < s->heights; i++)
-        if (m->height_slot[i] >= 0) dim[m->system_node[m->height_node[i]]]++;
+    for (i = s->vertices; i < s->nodes && m->height_slot; i++)
+        if (m->height_slot[i] >= 0) dim[m->system_node[i]]++;
     *count = n;
 }
 
@@ -12832,8 +12996,9 @@ static int yci_build_contact(yci_build *b) {
     }
     for (i = 0; i < s->seam_count; i++) /* Open seams count as closed: their sides do not repel each other. */
         for (k = 0; k < s->seam[i].desc.count; k++) {
-            int p = m->closed[s->seam[i].a[k]], q = m->closed[s->seam[i].b[k]], v;
-            for (v = 0; p != q && v < s->vertices; v++)
+            int p = m->closed[yci_seam_point(s, s->seam + i, 0, k)], v;
+            int q = m->closed[yci_seam_point(s, s->seam + i, 1, k)], end = p < s->vertices ? s->vertices : s->nodes;
+            for (v = 0; p != q && v < end; v++)
                 if (m->closed[v] == (p > q ? p : q)) m->closed[v] = p < q ? p : q;
         }
     return 1;
@@ -12858,11 +13023,10 @@ static yc_result yci_scene_build(yc_scene *s) {
     m->mass_fixed = YCI_NEW(c, double, s->nodes), m->local = YCI_NEW(c, yci_local, YCI_CHUNK);
     ok = m->held && m->holder && m->role && m->share && m->system_node && m->node_of && m->visit_slot && m->mass &&
         m->mass_fixed && m->local;
-    if (ok && s->heights) {
-        m->height_of = YCI_NEW(c, int, s->visits), m->lift = YCI_NEW(c, double, s->visits),
-        m->thrust = YCI_NEW(c, double, s->visits);
-        m->height_slot = YCI_NEW(c, int, s->heights), m->height_node = YCI_NEW(c, int, s->heights);
-        ok = m->height_of && m->lift && m->thrust && m->height_slot && m->height_node;
+    if (ok && s->crimped) {
+        m->undulates = YCI_NEW(c, unsigned char, s->visits), m->lift = YCI_NEW(c, double, s->visits);
+        m->thrust = YCI_NEW(c, double, s->visits), m->height_slot = YCI_NEW(c, int, s->nodes);
+        ok = m->undulates && m->lift && m->thrust && m->height_slot;
     }
     if (ok) yci_build_roles(s, m), yci_build_drop_loners(s, m), yci_build_holders(s, m);
     for (i = 0; ok && i < s->cloth_count; i++) {
@@ -12913,13 +13077,18 @@ static void yci_local_slide(const yc_scene *s, yci_local *out, double *q, int sl
 }
 
 /* Whether a visit's yarn undulates. */
-static int yci_crimped(const yci_model *m, int visit) { return m->height_of && m->height_of[visit] >= 0; }
+static int yci_crimped(const yci_model *m, int visit) { return m->undulates && m->undulates[visit]; }
+
+/* How far a visit passes from its node, m. */
+static double yci_rise(const yc_scene *s, int visit) {
+    return yci_crimped(s->model, visit) ? s->model->lift[visit] + s->z[s->visit_node[visit]] : 0.0;
+}
 
 /* Appends y of a visit likewise: it varies as z does. */
 static void yci_local_rise(const yc_scene *s, yci_local *out, double *q, int slot, int visit) {
-    int height = s->model->height_of[visit];
-    q[out->dofs] = s->model->lift[visit] + s->z[height];
-    out->slot[out->dofs] = (signed char)slot, out->comp[out->dofs] = (signed char)s->model->height_slot[height];
+    int node = s->visit_node[visit];
+    q[out->dofs] = yci_rise(s, visit);
+    out->slot[out->dofs] = (signed char)slot, out->comp[out->dofs] = (signed char)s->model->height_slot[node];
     out->dofs++;
 }
 
@@ -13227,14 +13396,14 @@ static double yci_assemble_kind(yc_scene *s, int kind, int mode) {
 
 /* ---- the incremental potential ---- */
 
-/* Where u of a sliding visit, and z of a height that is not held, stand among the unknowns. */
+/* Where u of a sliding visit, and z of a node that is not held, stand among the unknowns. */
 static int yci_dof_of_slide(const yc_scene *s, int visit) {
     const yci_model *m = s->model;
     return m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit];
 }
-static int yci_dof_of_height(const yc_scene *s, int height) {
+static int yci_dof_of_height(const yc_scene *s, int node) {
     const yci_model *m = s->model;
-    return m->system.a.off[m->system_node[m->height_node[height]]] + m->height_slot[height];
+    return m->system.a.off[m->system_node[node]] + m->height_slot[node];
 }
 
 /* The unknowns, or their velocities, out of the state's arrays. */
@@ -13243,7 +13412,7 @@ static void yci_dofs_get(const yc_scene *s, const double *x, const double *u, co
     int i;
     for (i = 0; i < m->system.a.n; i++) yci_copy(q + m->system.a.off[i], x + 3 * m->node_of[i]);
     for (i = 0; i < m->slide_count; i++) q[yci_dof_of_slide(s, m->slide[i].visit)] = u[m->slide[i].visit];
-    for (i = 0; i < s->heights; i++)
+    for (i = s->vertices; i < s->nodes && m->height_slot; i++)
         if (m->height_slot[i] >= 0) q[yci_dof_of_height(s, i)] = z[i];
 }
 
@@ -13252,7 +13421,7 @@ static void yci_dofs_set(yc_scene *s, const double *q) {
     int i;
     for (i = 0; i < m->system.a.n; i++) yci_copy(s->x + 3 * m->node_of[i], q + m->system.a.off[i]);
     for (i = 0; i < m->slide_count; i++) s->u[m->slide[i].visit] = q[yci_dof_of_slide(s, m->slide[i].visit)];
-    for (i = 0; i < s->heights; i++)
+    for (i = s->vertices; i < s->nodes && m->height_slot; i++)
         if (m->height_slot[i] >= 0) s->z[i] = q[yci_dof_of_height(s, i)];
 }
 
@@ -13283,10 +13452,9 @@ static void yci_masses(yc_scene *s) {
                 for (k = 0; k < 3; k++) block[k * (d + 1)] += half;
         }
     }
-    for (i = 0; i < s->heights; i++) {
-        int node = m->height_node[i], slot = m->height_slot[i], at = m->system_node[node];
-        if (slot >= 0)
-            m->system.mass[m->system.mass_at[at] + (size_t)(slot * (m->system.a.dim[at] + 1))] = m->mass[node];
+    for (i = s->vertices; i < s->nodes && m->height_slot; i++) {
+        int slot = m->height_slot[i], at = m->system_node[i];
+        if (slot >= 0) m->system.mass[m->system.mass_at[at] + (size_t)(slot * (m->system.a.dim[at] + 1))] = m->mass[i];
     }
 }
 
@@ -13759,7 +13927,7 @@ static void yci_compress(yc_scene *s) {
         yci_rub *e = m->rub + i;
         const yci_cloth *cloth = s->cloth + e->cloth;
         double lambda;
-        if (m->thrust && cloth->height >= 0) {
+        if (m->thrust && cloth->yarns.visit_height) {
             int up = cloth->yarns.visit_layer[e->visit[0]] < 0 ? 1 : 0;
             const double *thrust = m->thrust + cloth->visit;
             lambda = yci_max(0.0, 0.5 * (thrust[e->visit[up]] - thrust[e->visit[!up]]));
@@ -13812,14 +13980,14 @@ static void yci_fit_vertices(yc_scene *s, double *x) {
 static void yci_keep(yc_scene *s) {
     if (s->nodes) memcpy(s->x_n, s->x, 3 * (size_t)s->nodes * sizeof(double));
     if (s->visits) memcpy(s->u_n, s->u, (size_t)s->visits * sizeof(double));
-    if (s->heights) memcpy(s->z_n, s->z, (size_t)s->heights * sizeof(double));
+    if (s->crimped) memcpy(s->z_n, s->z, (size_t)s->nodes * sizeof(double));
 }
 
 static void yci_restore(yc_scene *s) {
     int i;
     if (s->nodes) memcpy(s->x, s->x_n, 3 * (size_t)s->nodes * sizeof(double));
     if (s->visits) memcpy(s->u, s->u_n, (size_t)s->visits * sizeof(double));
-    if (s->heights) memcpy(s->z, s->z_n, (size_t)s->heights * sizeof(double));
+    if (s->crimped) memcpy(s->z, s->z_n, (size_t)s->nodes * sizeof(double));
     for (i = 0; i < s->body_count; i++) s->body[i].pose = s->pose[2 * i];
 }
 
@@ -13841,6 +14009,19 @@ static void yci_anchors(yc_scene *s) {
         *anchor = yci_yarn_friction_anchor(
             yci_yarn_shear_strain(q) - m->shear[i].rest, *anchor, e->stiffness, e->reach * yci_rub_limit(m, e->rub));
     }
+}
+
+/* Whether a sub-step has taken most of a segment's length at once, down to its floor: then more of a yarn has gone than
+ * there was before its end, or Newton has found a minimum far off. */
+static int yci_overrun(const yc_scene *s) {
+    const yci_model *m = s->model;
+    int i, found = 0;
+    for (i = 0; i < m->adjacent_count && !found; i++) {
+        const yci_adjacent *e = m->adjacent + i;
+        double du = s->u[e->b] - s->u[e->a], before = s->u_n[e->b] - s->u_n[e->a];
+        found = du < e->floor && du < 0.25 * before;
+    }
+    return found;
 }
 
 /* One implicit step of h seconds, which is `share` of what is left of the user's step. On failure the state is as
@@ -13867,6 +14048,8 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
         yci_dofs_get(s, s->velocity, s->slide, s->rise, m->dof_free);
         for (i = 0; i < size; i++) m->dof_free[i] = m->dof_n[i] + h * m->dof_free[i];
         result = yci_newton(s, stats);
+        if (result == YC_OK && 0.5 * h >= s->desc.dt_min && yci_overrun(s))
+            result = YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "a segment lost most of its length within %g s", h);
     }
     m->h = 0.0, m->rate = 0.0;
     if (result != YC_OK) {
@@ -13875,7 +14058,7 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
     }
     for (i = 0; i < 3 * s->nodes; i++) s->velocity[i] = (s->x[i] - s->x_n[i]) / h;
     for (i = 0; i < s->visits; i++) s->slide[i] = (s->u[i] - s->u_n[i]) / h;
-    for (i = 0; i < s->heights; i++) s->rise[i] = (s->z[i] - s->z_n[i]) / h;
+    for (i = 0; i < s->nodes && s->crimped; i++) s->rise[i] = (s->z[i] - s->z_n[i]) / h;
     yci_anchors(s);
     for (i = 0; i < s->body_count; i++) s->pose[2 * i] = s->body[i].pose;
     s->time += h;
@@ -13891,7 +14074,8 @@ static void yci_reweld(yc_scene *s) {
     while (changed)
         for (i = changed = 0; i < s->seam_count; i++)
             for (k = 0; s->welded[i] && k < s->seam[i].desc.count; k++) {
-                int *a = s->weld + s->seam[i].a[k], *b = s->weld + s->seam[i].b[k];
+                int *a = s->weld + s->cloth[s->seam[i].desc.cloth[0]].vertex + s->seam[i].a[k];
+                int *b = s->weld + s->cloth[s->seam[i].desc.cloth[1]].vertex + s->seam[i].b[k];
                 if (*a < *b) *b = *a, changed = 1;
                 if (*b < *a) *a = *b, changed = 1;
             }
@@ -13906,9 +14090,9 @@ static int yci_seam_is_closed(const yc_scene *s, int seam) {
     const yci_seam *x = s->seam + seam;
     double d[3];
     int k;
-    if (s->welded[seam] || s->time < x->start + x->desc.close_time) return 0;
+    if (x->desc.kind != YC_VERTEX || s->welded[seam] || s->time < x->start + x->desc.close_time) return 0;
     for (k = 0; k < x->desc.count; k++) {
-        yci_sub(d, s->x + 3 * s->weld[x->a[k]], s->x + 3 * s->weld[x->b[k]]);
+        yci_sub(d, s->x + 3 * yci_seam_point(s, x, 0, k), s->x + 3 * yci_seam_point(s, x, 1, k));
         if (yci_norm(d) > x->desc.weld_distance) return 0;
     }
     return 1;
@@ -13961,11 +14145,471 @@ static yc_result yci_weld_closed(yc_scene *s) {
     return YC_OK;
 }
 
+/* ---- changes of networks ----
+ *
+ * Between two sub-steps, and all at once: what is due is marked, everything that can fail is acquired, then networks
+ * and state are written anew. A visit that goes leaves one longer segment in place of its two; a crossing that it
+ * leaves becomes a lone visit of the other yarn, whose sliding turns into motion of its node; a visit that comes stands
+ * in the middle of its segment and moves with the material there. What linear momentum the first two would change goes
+ * to the ends of the segment: to the lone ones, or else to both; what belongs to a pinned end is the pin's. */
+
+enum { YCI_ADD_NODE = 1, YCI_ADD_BREAK = 2 };
+
+typedef struct yci_change {
+    yc_scene *s;
+    unsigned char *drop, *add; /* [visits]: whether it goes, and what comes behind it */
+    unsigned char *touched;    /* [nodes], whether a visit leaves it */
+    yci_crossing *crossing;    /* [nodes], visits by their numbers in the scene */
+    /* The cloths' networks to come, owner NULL where it stays; and in their numbering: */
+    yc_yarns *to;
+    int *node_from;        /* [nodes], the number before; -1: new */
+    int *visit_from;       /* [visits], the number before; -1 - a: new, behind visit a */
+    unsigned char *visits; /* [nodes], how many */
+    double *mass;          /* [nodes], kg */
+    int node_count, visit_count;
+    /* while a network is written: its cloth, and how far it is */
+    int cloth, first_node, first_visit, visit, spare, fresh;
+} yci_change;
+
+/* What a segment calls for; *load receives its tension as a share of the yarn's strength. */
+static int yci_segment_due(const yc_scene *s, const yci_cloth *cloth, int yarn, int k, double *load) {
+    const yc_yarns *y = &cloth->yarns;
+    const yc_yarn_material *material = y->materials + y->yarn_material[yarn];
+    int a = cloth->visit + k, p = s->visit_node[a], q = s->visit_node[a + 1];
+    double d[3], du = s->u[a + 1] - s->u[a], laid = y->visit_u[k + 1] - y->visit_u[k],
+                 pitch = cloth->pitch[y->yarn_family[yarn]];
+    *load = 0.0;
+    if (s->model->role[p] != YCI_FULL || s->model->role[q] != YCI_FULL) return 0;
+    yci_sub(d, s->x + 3 * q, s->x + 3 * p);
+    if (material->strength > 0.0 && du > 2.0 * YCI_TAIL * pitch) {
+        double rise = yci_rise(s, a + 1) - yci_rise(s, a);
+        *load =
+            material->stretch * (sqrt(yci_dot(d, d) + YCI_CRIMP_KAPPA * rise * rise) / du - 1.0) / material->strength;
+    }
+    if (*load > 1.0) return YCI_ADD_BREAK;
+    return du > YCI_LONG * yci_max(pitch, laid) ? YCI_ADD_NODE : 0;
+}
+
+/* Marks what is due, in w unless that is NULL; returns 0 when nothing is. Segments whose nodes a visit leaves wait. */
+static int yci_change_mark(const yc_scene *s, yci_change *w) {
+    const yci_model *m = s->model;
+    int i, k, yarn, count = 0;
+    for (i = 0; i < m->adjacent_count; i++) {
+        const yci_adjacent *e = m->adjacent + i;
+        if (e->drop < 0 || s->u[e->b] - s->u[e->a] >= e->limit) continue;
+        count++;
+        if (w) w->drop[e->drop] = 1, w->touched[s->visit_node[e->drop]] = 1;
+    }
+    for (i = 0; i < s->cloth_count; i++) {
+        const yci_cloth *cloth = s->cloth + i;
+        const yc_yarns *y = yci_cloth_yarns(cloth);
+        for (yarn = 0; y && !cloth->desc.hold_network && yarn < y->yarn_count; yarn++) {
+            double load, most = 1.0;
+            int worst = -1;
+            for (k = y->yarn_first[yarn]; k + 1 < y->yarn_first[yarn + 1]; k++) {
+                int a = cloth->visit + k, due = yci_segment_due(s, cloth, yarn, k, &load);
+                if (!due || (w && (w->touched[s->visit_node[a]] || w->touched[s->visit_node[a + 1]]))) continue;
+                count++;
+                if (w && due == YCI_ADD_NODE) w->add[a] = YCI_ADD_NODE;
+                if (load > most) most = load, worst = a;
+            }
+            if (w && worst >= 0) w->add[worst] = YCI_ADD_BREAK;
+        }
+    }
+    return count;
+}
+
+static int yci_change_spare(const yci_change *w, int node) { /* whether an event made it and nothing needs it now */
+    return !w->crossing[node].count && !w->s->pin[node] && !yci_is_sewn(w->s, node);
+}
+
+/* Counts what each cloth will have and makes room for it. */
+static int yci_change_acquire(yci_change *w) {
+    yc_scene *s = w->s;
+    yci_context *c = &s->c;
+    int i, k, events = 0;
+    w->node_count = s->vertices;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yci_cloth *cloth = s->cloth + i;
+        const yc_yarns *y = &cloth->yarns;
+        int nodes = 0, yarns = 0, gone = 0;
+        for (k = cloth->visit; k < cloth->visit + y->visit_count; k++)
+            gone += w->drop[k], nodes += w->add[k], yarns += w->add[k] == YCI_ADD_BREAK;
+        if (nodes || gone) {
+            int fresh = nodes;
+            for (k = cloth->laid_nodes; k < y->node_count && fresh; k++) fresh -= yci_change_spare(w, cloth->node + k);
+            if (!yci_network_new(c, y, y->node_count + fresh, y->yarn_count + yarns, y->visit_count - gone + nodes,
+                    y->triangle != NULL, w->to + i))
+                return 0;
+            events += nodes + gone + w->to[i].yarn_count;
+        }
+        w->node_count += w->to[i].owner ? w->to[i].node_count : y->node_count;
+        w->visit_count += w->to[i].owner ? w->to[i].visit_count : y->visit_count;
+    }
+    w->node_from = YCI_NEW(c, int, w->node_count), w->visit_from = YCI_NEW(c, int, w->visit_count);
+    w->visits = YCI_NEW(c, unsigned char, w->node_count), w->mass = YCI_NEW(c, double, w->node_count);
+    return w->node_from && w->visit_from && w->visits && w->mass &&
+        YCI_RESERVE(c, s->event, s->event_capacity, s->event_count, s->event_count + events);
+}
+
+static void yci_change_event(yci_change *w, yc_event_type type, int yarn, int other, int node) {
+    yc_event *e = w->s->event + w->s->event_count++;
+    e->type = type, e->cloth = w->cloth, e->yarn = yarn, e->other = other, e->node = node, e->time = w->s->time;
+}
+
+/* ---- the network to come ---- */
+
+static void yci_change_push(yci_change *w, int node, double laid, int layer, int held, int from) {
+    const yc_yarns *y = &w->s->cloth[w->cloth].yarns;
+    yc_yarns *to = w->to + w->cloth;
+    to->visit_node[w->visit] = node, to->visit_u[w->visit] = laid;
+    to->visit_layer[w->visit] = (signed char)layer, to->visit_held[w->visit] = (unsigned char)held;
+    if (to->visit_height)
+        to->visit_height[w->visit] = from < 0 ? 0.0 : y->visit_height[from - w->s->cloth[w->cloth].visit];
+    w->visit_from[w->first_visit + w->visit] = from;
+    w->visits[w->first_node + node]++, w->visit++;
+}
+
+/* Barycentric weights of a place of the pattern in a triangle of the mesh. */
+static void yci_cloth_weights(const yci_cloth *cloth, int triangle, const double *place, double *weights) {
+    const double(*uv)[2] = cloth->desc.mesh.uv;
+    const int *v = cloth->desc.mesh.uv_triangles[triangle];
+    double a[2], b[2], p[2], det;
+    int k;
+    for (k = 0; k < 2; k++)
+        a[k] = uv[v[1]][k] - uv[v[0]][k], b[k] = uv[v[2]][k] - uv[v[0]][k], p[k] = place[k] - uv[v[0]][k];
+    det = a[0] * b[1] - a[1] * b[0];
+    weights[1] = (p[0] * b[1] - p[1] * b[0]) / det, weights[2] = (a[0] * p[1] - a[1] * p[0]) / det;
+    weights[0] = 1.0 - weights[1] - weights[2];
+}
+
+/* A new node and its visit, in the middle of the segment behind visit k. */
+static int yci_change_middle(yci_change *w, int k) {
+    const yci_cloth *cloth = w->s->cloth + w->cloth;
+    const yc_yarns *y = &cloth->yarns;
+    yc_yarns *to = w->to + w->cloth;
+    int a = y->visit_node[k], b = y->visit_node[k + 1], node, i;
+    while (w->spare < y->node_count && !yci_change_spare(w, cloth->node + w->spare)) w->spare++;
+    node = w->spare < y->node_count ? w->spare++ : w->fresh++;
+    for (i = 0; i < 3; i++) to->layout[node][i] = 0.5 * (y->layout[a][i] + y->layout[b][i]);
+    if (to->triangle) {
+        to->triangle[node] = y->triangle[a];
+        yci_cloth_weights(cloth, to->triangle[node], to->layout[node], to->weights[node]);
+    }
+    w->node_from[w->first_node + node] = -1;
+    yci_change_push(w, node, 0.5 * (y->visit_u[k] + y->visit_u[k + 1]), 0, 1, -1 - (cloth->visit + k));
+    return node;
+}
+
+/* The yarn, by its number now, of a visit. */
+static int yci_change_yarn_of(const yci_change *w, int visit) {
+    const yci_crossing *at = w->crossing + w->s->visit_node[visit];
+    return at->yarn[at->visit[0] != visit];
+}
+
+/* Writes visits k to `last` as part of yarn `yarn`, up to a break; `next` is the yarn that begins there. */
+static void yci_change_run(yci_change *w, int yarn, int next, int k, int last) {
+    const yci_cloth *cloth = w->s->cloth + w->cloth;
+    const yc_yarns *y = &cloth->yarns;
+    for (; k <= last; k++) {
+        int from = cloth->visit + k, node = y->visit_node[k];
+        const yci_crossing *at = w->crossing + cloth->node + node;
+        if (!w->drop[from]) yci_change_push(w, node, y->visit_u[k], y->visit_layer[k], y->visit_held[k], from);
+        else if (at->count < 2) yci_change_event(w, YC_EVENT_MERGE, yarn, -1, node);
+        else yci_change_event(w, YC_EVENT_RELEASE, yarn, at->yarn[at->visit[0] == from], node);
+        if (!w->add[from]) continue;
+        node = yci_change_middle(w, k);
+        if (w->add[from] == YCI_ADD_NODE) yci_change_event(w, YC_EVENT_SPLIT, yarn, -1, node);
+        else {
+            yci_change_event(w, YC_EVENT_BREAK, yarn, next, node);
+            return;
+        }
+    }
+}
+
+static void yci_change_yarns(yci_change *w) {
+    const yci_cloth *cloth = w->s->cloth + w->cloth;
+    const yc_yarns *y = &cloth->yarns;
+    yc_yarns *to = w->to + w->cloth;
+    int yarn, pass, next, k;
+    for (pass = 0; pass < 2; pass++) /* what stands before the breaks, then the new yarns behind them */
+        for (yarn = 0, next = y->yarn_count; yarn < y->yarn_count; yarn++) {
+            int first = y->yarn_first[yarn], last = y->yarn_first[yarn + 1] - 1, number = pass ? next : yarn;
+            for (k = first; k < last && w->add[cloth->visit + k] != YCI_ADD_BREAK;) k++;
+            if (pass && k == last) continue;
+            to->yarn_first[number] = w->visit;
+            to->yarn_family[number] = y->yarn_family[yarn], to->yarn_material[number] = y->yarn_material[yarn];
+            if (pass) yci_change_middle(w, k);
+            yci_change_run(w, number, next, pass ? k + 1 : first, last);
+            next += k < last;
+        }
+    to->yarn_first[to->yarn_count] = w->visit;
+}
+
+/* An end that has slid out of crossings is laid where the last of them was. `inside` is the visit next to it. */
+static void yci_change_lay_end(yci_change *w, int end, int inside) {
+    const yci_cloth *cloth = w->s->cloth + w->cloth;
+    const yc_yarns *y = &cloth->yarns;
+    yc_yarns *to = w->to + w->cloth;
+    int from = w->visit_from[w->first_visit + inside] + (end < inside ? -1 : 1), node = to->visit_node[end], left;
+    if (w->visit_from[w->first_visit + inside] < 0 || !w->drop[from] || w->crossing[w->s->visit_node[from]].count < 2)
+        return;
+    left = y->visit_node[from - cloth->visit];
+    to->visit_u[end] = y->visit_u[from - cloth->visit];
+    yci_copy(to->layout[node], y->layout[left]);
+    if (to->triangle) to->triangle[node] = y->triangle[left], yci_copy(to->weights[node], y->weights[left]);
+}
+
+static int yci_change_crosses(
+    const yci_change *w, int yarn, int before) { /* whether a yarn of the cloth has a crossing */
+    const yci_cloth *cloth = w->s->cloth + w->cloth;
+    const yc_yarns *y = before ? &cloth->yarns : w->to + w->cloth;
+    int k, found = 0;
+    for (k = y->yarn_first[yarn]; k < y->yarn_first[yarn + 1] && !found; k++)
+        found = before ? w->crossing[cloth->node + y->visit_node[k]].count == 2
+                       : w->visits[w->first_node + y->visit_node[k]] == 2;
+    return found;
+}
+
+/* Writes the network to come of w->cloth. */
+static void yci_change_write(yci_change *w) {
+    const yci_cloth *cloth = w->s->cloth + w->cloth;
+    const yc_yarns *y = &cloth->yarns;
+    yc_yarns *to = w->to + w->cloth;
+    size_t nodes = (size_t)y->node_count;
+    int k, yarn, from;
+    memcpy(to->layout, y->layout, nodes * sizeof *y->layout);
+    if (to->triangle) {
+        memcpy(to->triangle, y->triangle, nodes * sizeof *y->triangle);
+        memcpy(to->weights, y->weights, nodes * sizeof *y->weights);
+    }
+    w->visit = 0, w->spare = cloth->laid_nodes, w->fresh = y->node_count;
+    yci_change_yarns(w);
+    for (k = 0; k < to->visit_count; k++) {
+        from = w->visit_from[w->first_visit + k];
+        if (from < 0 || !w->touched[w->s->visit_node[from]]) continue;
+        to->visit_layer[k] = 0;
+        if (to->visit_height) to->visit_height[k] = 0.0;
+        if (!to->visit_held[k]) to->visit_held[k] = 1;
+    }
+    for (yarn = 0; yarn < to->yarn_count; yarn++) {
+        int first = to->yarn_first[yarn], last = to->yarn_first[yarn + 1] - 1;
+        int was = yarn < y->yarn_count ? yarn : yci_change_yarn_of(w, w->visit_from[w->first_visit + last]);
+        yci_change_lay_end(w, first, first + 1), yci_change_lay_end(w, last, last - 1);
+        if (yci_change_crosses(w, was, 1) && !yci_change_crosses(w, yarn, 0))
+            yci_change_event(w, YC_EVENT_LOOSE, yarn, -1, -1);
+    }
+}
+
+/* Writes what is to come of all cloths, and the numberings. */
+static void yci_change_write_all(yci_change *w) {
+    yc_scene *s = w->s;
+    int i, k;
+    for (i = 0; i < s->vertices; i++) w->node_from[i] = i;
+    w->first_node = s->vertices, w->first_visit = 0;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yci_cloth *cloth = s->cloth + i;
+        const yc_yarns *to = w->to[i].owner ? w->to + i : &cloth->yarns;
+        for (k = 0; k < to->node_count; k++)
+            w->node_from[w->first_node + k] = k < cloth->yarns.node_count ? cloth->node + k : -1;
+        w->cloth = i;
+        if (w->to[i].owner) yci_change_write(w);
+        else
+            for (k = 0; k < to->visit_count; k++) w->visit_from[w->first_visit + k] = cloth->visit + k;
+        w->first_node += to->node_count, w->first_visit += to->visit_count;
+    }
+}
+
+/* ---- the state to come ---- */
+
+/* The state to come, by the arrays of yci_state_arrays. */
+typedef struct yci_change_state {
+    double *x, *velocity, *u, *slide, *anchor, *z; /* z NULL without crimp */
+} yci_change_state;
+
+static void yci_change_map(yci_change *w, yci_grow *grow, yci_change_state *out) {
+    const yc_scene *s = w->s;
+    yci_state_array list[YCI_STATE_ARRAYS];
+    int i, k;
+    yci_state_arrays(w->s, list);
+    memset(out, 0, sizeof *out);
+    for (i = 0; i < YCI_STATE_ARRAYS; i++) {
+        const int *from = list[i].of_visits ? w->visit_from : w->node_from;
+        const char *old = yci_state_array_of(list + i);
+        int count = list[i].of_visits ? w->visit_count : w->node_count;
+        if (!list[i].size) continue;
+        for (k = 0; k < count; k++)
+            if (from[k] >= 0)
+                memcpy(
+                    (char *)grow->fresh + (size_t)k * list[i].size, old + (size_t)from[k] * list[i].size, list[i].size);
+        if (list[i].array == &s->x) out->x = (double *)grow->fresh;
+        if (list[i].array == &s->velocity) out->velocity = (double *)grow->fresh;
+        if (list[i].array == &s->u) out->u = (double *)grow->fresh;
+        if (list[i].array == &s->slide) out->slide = (double *)grow->fresh;
+        if (list[i].array == &s->anchor) out->anchor = (double *)grow->fresh;
+        if (list[i].array == &s->z) out->z = (double *)grow->fresh;
+        grow++->used = 0; /* written already */
+    }
+}
+
+/* Adds the linear momentum of a segment between visits a and b, as they are now; `slide` is the sum of their speeds. */
+static void yci_change_momentum(const yc_scene *s, int a, int b, double density, double slide, double *p) {
+    const double *va = s->velocity + 3 * s->visit_node[a], *vb = s->velocity + 3 * s->visit_node[b];
+    double d[3], half = 0.5 * density * (s->u[b] - s->u[a]);
+    yci_sub(d, s->x + 3 * s->visit_node[b], s->x + 3 * s->visit_node[a]);
+    yci_axpy(p, half, va), yci_axpy(p, half, vb), yci_axpy(p, -0.5 * density * slide, d);
+}
+
+/* Fills in the visit that comes at `visit`, of node `node`. */
+static void yci_change_fill(const yci_change *w, const yci_change_state *to, int visit, int node) {
+    const yc_scene *s = w->s;
+    int a = -1 - w->visit_from[visit], b = a + 1, p = s->visit_node[a], q = s->visit_node[b], k;
+    double along[3], rate = 0.5 * (s->slide[a] + s->slide[b]) / (s->u[b] - s->u[a]);
+    yci_sub(along, s->x + 3 * q, s->x + 3 * p);
+    for (k = 0; k < 3; k++) {
+        to->x[3 * node + k] = 0.5 * (s->x[3 * p + k] + s->x[3 * q + k]);
+        to->velocity[3 * node + k] = 0.5 * (s->velocity[3 * p + k] + s->velocity[3 * q + k]) - rate * along[k];
+    }
+    to->u[visit] = to->anchor[visit] = 0.5 * (s->u[a] + s->u[b]);
+    if (to->z) to->z[node] = 0.5 * (yci_rise(s, a) + yci_rise(s, b));
+}
+
+/* The segment between visits i and i + 1 to come; `shift` leads from nodes now to nodes to come. First masses follow
+ * it, then what it lacks of its former momentum goes to its ends. */
+static void yci_change_segment(
+    yci_change *w, const yci_change_state *to, int i, int shift, double density, int masses) {
+    const yc_scene *s = w->s;
+    int a = w->visit_from[i], b = w->visit_from[i + 1], k, end[2];
+    double lost[3] = {0.0, 0.0, 0.0}, after[3] = {0.0, 0.0, 0.0}, half, sum = 0.0;
+    if (a < 0 || b < 0) { /* half of a segment that gets a node: a quarter of its mass leaves the end that it had */
+        k = a < 0 ? -1 - a : a;
+        if (masses) w->mass[s->visit_node[a < 0 ? b : a] + shift] -= 0.25 * density * (s->u[k + 1] - s->u[k]);
+        return;
+    }
+    end[0] = s->visit_node[a] + shift, end[1] = s->visit_node[b] + shift;
+    if (masses) {
+        for (k = a; k < b; k++) {
+            half = 0.5 * density * (s->u[k + 1] - s->u[k]);
+            w->mass[s->visit_node[k] + shift] -= half, w->mass[s->visit_node[k + 1] + shift] -= half;
+            w->mass[end[0]] += half, w->mass[end[1]] += half;
+        }
+        return;
+    }
+    if (b == a + 1 && to->slide[i] == s->slide[a] && to->slide[i + 1] == s->slide[b]) return;
+    for (k = a; k < b; k++) yci_change_momentum(s, k, k + 1, density, s->slide[k] + s->slide[k + 1], lost);
+    yci_change_momentum(s, a, b, density, to->slide[i] + to->slide[i + 1], after);
+    yci_axpy(lost, -1.0, after);
+    for (k = 0; k < 2; k++) {
+        int alone = w->visits[end[k]] == 1 || w->visits[end[!k]] > 1;
+        half = alone && !s->model->held[w->node_from[end[k]]] ? 1.0 : 0.0;
+        if (half > 0.0) sum += w->mass[end[k]];
+        else end[k] = -1;
+    }
+    for (k = 0; k < 2; k++)
+        if (end[k] >= 0) yci_axpy(to->velocity + 3 * end[k], 1.0 / sum, lost);
+}
+
+/* What the arrays of the state hold for what is new, and what changes for the others. */
+static void yci_change_motion(yci_change *w, const yci_change_state *to) {
+    yc_scene *s = w->s;
+    int i, k, yarn, pass, node, visit;
+    for (i = 0; i < w->node_count; i++) w->mass[i] = w->node_from[i] < 0 ? 0.0 : s->model->mass[w->node_from[i]];
+    for (pass = 0; pass < 3; pass++)
+        for (i = 0, node = s->vertices, visit = 0; i < s->cloth_count; i++) {
+            const yci_cloth *cloth = s->cloth + i;
+            const yc_yarns *y = w->to[i].owner ? w->to + i : &cloth->yarns;
+            for (yarn = 0; w->to[i].owner && yarn < y->yarn_count; yarn++) {
+                double density = y->materials[y->yarn_material[yarn]].density;
+                for (k = y->yarn_first[yarn]; k < y->yarn_first[yarn + 1]; k++) {
+                    int from = w->visit_from[visit + k];
+                    if (!pass && from < 0) yci_change_fill(w, to, visit + k, node + y->visit_node[k]);
+                    else if (!pass && w->touched[s->visit_node[from]]) {
+                        to->slide[visit + k] = 0.0;
+                        if (to->z) to->z[node + y->visit_node[k]] = yci_rise(s, from);
+                    }
+                    if (pass && k + 1 < y->yarn_first[yarn + 1])
+                        yci_change_segment(w, to, visit + k, node - cloth->node, density, pass == 1);
+                }
+            }
+            node += y->node_count, visit += y->visit_count;
+        }
+}
+
+static void yci_change_commit(yci_change *w, yci_grow *grow, int arrays) {
+    yc_scene *s = w->s;
+    yci_context *c = &s->c;
+    int i;
+    yci_grow_commit(c, grow, arrays);
+    if (s->node_room < w->node_count) s->node_room = w->node_count;
+    if (s->visit_room < w->visit_count) s->visit_room = w->visit_count;
+    for (i = 0; i < s->cloth_count; i++) {
+        yci_cloth *cloth = s->cloth + i;
+        if (!w->to[i].owner) continue;
+        if (cloth->kept.owner) yci_free(c, cloth->yarns.owner);
+        else cloth->kept = cloth->yarns;
+        cloth->yarns = w->to[i], w->to[i].owner = NULL;
+    }
+    yci_scene_number(s);
+    yci_model_destroy(s);
+}
+
+/* Brings about what is due. On failure nothing has changed. */
+static yc_result yci_change_networks(yc_scene *s) {
+    yci_context *c = &s->c;
+    yci_change w;
+    yci_change_state to;
+    yci_grow grow[YCI_STATE_ARRAYS + 1];
+    int i, arrays = 0, ok;
+    yc_result result = yci_scene_build(s);
+    if (result != YC_OK || !yci_change_mark(s, NULL)) return result;
+    memset(&w, 0, sizeof w);
+    w.s = s;
+    w.drop = YCI_NEW(c, unsigned char, s->visits), w.add = YCI_NEW(c, unsigned char, s->visits);
+    w.touched = YCI_NEW(c, unsigned char, s->nodes), w.crossing = YCI_NEW(c, yci_crossing, s->nodes);
+    w.to = YCI_NEW(c, yc_yarns, s->cloth_count);
+    ok = w.drop && w.add && w.touched && w.crossing && w.to;
+    for (i = 0; ok && i < s->cloth_count; i++)
+        yci_crossing_fill(w.crossing, &s->cloth[i].yarns, s->visit_node + s->cloth[i].visit, s->cloth[i].visit);
+    if (ok) yci_change_mark(s, &w), ok = yci_change_acquire(&w);
+    if (ok) {
+        int nodes = s->node_room > w.node_count ? s->node_room : w.node_count;
+        int visits = s->visit_room > w.visit_count ? s->visit_room : w.visit_count;
+        arrays = yci_state_grow(s, nodes, visits, grow);
+        ok = yci_grow_acquire(c, grow, arrays);
+    }
+    if (ok) {
+        yci_keep(s), yci_masses(s);
+        yci_change_write_all(&w);
+        yci_change_map(&w, grow, &to);
+        yci_change_motion(&w, &to);
+        yci_change_commit(&w, grow, arrays);
+    }
+    for (i = 0; w.to && i < s->cloth_count; i++) yci_free(c, w.to[i].owner);
+    yci_free(c, w.drop), yci_free(c, w.add), yci_free(c, w.touched), yci_free(c, w.crossing), yci_free(c, w.to);
+    yci_free(c, w.node_from), yci_free(c, w.visit_from), yci_free(c, w.visits), yci_free(c, w.mass);
+    return ok ? YC_OK : yci_out_of_memory(c, "a change of yarns");
+}
+
+/* The user's step is done, or undone: the networks of its beginning go, or come back. */
+static void yci_change_settle(yc_scene *s, int undo) {
+    int i, back = 0;
+    for (i = 0; i < s->cloth_count; i++) {
+        yci_cloth *cloth = s->cloth + i;
+        if (!cloth->kept.owner) continue;
+        back = undo;
+        yci_free(&s->c, undo ? cloth->yarns.owner : cloth->kept.owner);
+        if (undo) cloth->yarns = cloth->kept;
+        cloth->kept.owner = NULL;
+    }
+    if (back) yci_model_destroy(s), yci_scene_number(s);
+}
+
 /* ---- state ---- */
 
 typedef struct yci_state_head {
     char magic[8];
-    int vertices, nodes, visits, heights, turns, seams, bodies;
+    int vertices, nodes, visits, crimped, rubs, seams, bodies, cloths;
+    int laid_nodes, laid_visits; /* of all networks as they were given */
     double time, dt;
 } yci_state_head;
 
@@ -13977,30 +14621,56 @@ static void yci_state_move(int way, char *buffer, size_t *at, void *data, size_t
     *at += size;
 }
 
-/* All arrays of the state to or from a buffer, doubles first; returns its size. */
-static size_t yci_state_pass(yc_scene *s, int way, char *buffer) {
-    size_t at = sizeof(yci_state_head), nodes = (size_t)s->nodes, visits = (size_t)s->visits;
-    yci_state_move(way, buffer, &at, s->x, 3 * nodes * sizeof(double));
-    yci_state_move(way, buffer, &at, s->velocity, 3 * nodes * sizeof(double));
-    yci_state_move(way, buffer, &at, s->goal, 3 * nodes * sizeof(double));
-    yci_state_move(way, buffer, &at, s->u, visits * sizeof(double));
-    yci_state_move(way, buffer, &at, s->slide, visits * sizeof(double));
-    yci_state_move(way, buffer, &at, s->anchor, visits * sizeof(double));
-    yci_state_move(way, buffer, &at, s->z, (size_t)s->heights * sizeof(double));
-    yci_state_move(way, buffer, &at, s->rise, (size_t)s->heights * sizeof(double));
-    yci_state_move(way, buffer, &at, s->turn, 4 * (size_t)s->turns * sizeof(double));
+/* All arrays of the state to or from a buffer, doubles first. */
+static void yci_state_pass(yc_scene *s, int way, char *buffer) {
+    yci_state_array list[YCI_STATE_ARRAYS];
+    size_t at = sizeof(yci_state_head);
+    int i;
+    yci_state_arrays(s, list);
     yci_state_move(way, buffer, &at, s->pose, 2 * (size_t)s->body_count * sizeof(yci_pose));
-    yci_state_move(way, buffer, &at, s->pin, nodes);
+    for (i = 0; i < YCI_STATE_SAVED; i++)
+        yci_state_move(way, buffer, &at, yci_state_array_of(list + i),
+            (size_t)(list[i].of_visits ? s->visits : s->nodes) * list[i].size);
     yci_state_move(way, buffer, &at, s->welded, (size_t)s->seam_count);
+}
+
+/* What that takes with so many nodes and visits. */
+static size_t yci_state_size(yc_scene *s, int nodes, int visits) {
+    yci_state_array list[YCI_STATE_ARRAYS];
+    size_t size = sizeof(yci_state_head) + 2 * (size_t)s->body_count * sizeof(yci_pose) + (size_t)s->seam_count;
+    int i;
+    yci_state_arrays(s, list);
+    for (i = 0; i < YCI_STATE_SAVED; i++) size += (size_t)(list[i].of_visits ? visits : nodes) * list[i].size;
+    return size;
+}
+
+/* Behind them, one network: its counts, then its arrays. */
+static size_t yci_state_network(const yc_yarns *y, int way, char *buffer, size_t at) {
+    yci_network_part part[YCI_NETWORK_PARTS];
+    int count[3], i;
+    count[0] = y->node_count, count[1] = y->yarn_count, count[2] = y->visit_count;
+    yci_state_move(way, buffer, &at, count, sizeof count);
+    yci_network_parts(y, part);
+    for (i = 0; i < YCI_NETWORK_PARTS; i++) yci_state_move(way, buffer, &at, part[i].data, part[i].bytes);
+    return at;
+}
+
+static size_t yci_state_networks(const yc_scene *s, int way, char *buffer, size_t at) {
+    int i;
+    for (i = 0; i < s->cloth_count; i++)
+        if (yci_cloth_yarns(s->cloth + i)) at = yci_state_network(&s->cloth[i].yarns, way, buffer, at);
     return at;
 }
 
 static void yci_state_head_make(const yc_scene *s, yci_state_head *head) {
+    int i;
     memset(head, 0, sizeof *head);
     memcpy(head->magic, "yarnst02", 8);
-    head->vertices = s->vertices, head->nodes = s->nodes, head->visits = s->visits;
-    head->heights = s->heights, head->turns = s->turns;
+    head->vertices = s->vertices, head->nodes = s->nodes, head->visits = s->visits, head->cloths = s->cloth_count;
+    head->crimped = s->crimped, head->rubs = s->rubs;
     head->seams = s->seam_count, head->bodies = s->body_count, head->time = s->time, head->dt = s->dt;
+    for (i = 0; i < s->cloth_count; i++)
+        head->laid_nodes += s->cloth[i].laid_nodes, head->laid_visits += s->cloth[i].laid_visits;
 }
 
 static void yci_state_write(yc_scene *s, char *buffer) {
@@ -14010,10 +14680,10 @@ static void yci_state_write(yc_scene *s, char *buffer) {
     yci_state_pass(s, YCI_STATE_WRITE, buffer);
 }
 
-/* The model goes when welds differ, which a step may change; `fresh` makes it go anyway, so that nothing of the past is
- * left in it. */
+/* The scene's networks are those of the buffer. The model goes when welds differ, which a step may change; `fresh`
+ * makes it go anyway, so that nothing of the past is left in it. */
 static void yci_state_read(yc_scene *s, const char *buffer, int fresh) {
-    const char *welded = buffer + yci_state_pass(s, YCI_STATE_ASK, NULL) - (size_t)s->seam_count; /* they come last */
+    const char *welded = buffer + yci_state_size(s, s->nodes, s->visits) - (size_t)s->seam_count; /* they come last */
     yci_state_head head;
     int i;
     memcpy(&head, buffer, sizeof head);
@@ -14025,7 +14695,7 @@ static void yci_state_read(yc_scene *s, const char *buffer, int fresh) {
 }
 
 YC_API yc_result yc_scene_save(yc_scene *s, void *buffer, size_t *size) {
-    size_t need = yci_state_pass(s, YCI_STATE_ASK, NULL);
+    size_t at = yci_state_size(s, s->nodes, s->visits), need = yci_state_networks(s, YCI_STATE_ASK, NULL, at);
     if (!size) return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "size is NULL");
     if (!buffer) {
         *size = need;
@@ -14036,34 +14706,121 @@ YC_API yc_result yc_scene_save(yc_scene *s, void *buffer, size_t *size) {
             (unsigned long)need);
     yci_model_destroy(s);
     yci_state_write(s, (char *)buffer);
+    yci_state_networks(s, YCI_STATE_WRITE, (char *)buffer, at);
     *size = need;
     return YC_OK;
 }
 
 static int yci_state_head_same(const yci_state_head *a, const yci_state_head *b) {
-    return !memcmp(a->magic, b->magic, sizeof a->magic) && a->vertices == b->vertices && a->nodes == b->nodes &&
-        a->visits == b->visits && a->heights == b->heights && a->turns == b->turns && a->seams == b->seams &&
-        a->bodies == b->bodies;
+    return !memcmp(a->magic, b->magic, sizeof a->magic) && a->vertices == b->vertices && a->cloths == b->cloths &&
+        a->crimped == b->crimped && a->rubs == b->rubs && a->laid_nodes == b->laid_nodes &&
+        a->laid_visits == b->laid_visits && a->seams == b->seams && a->bodies == b->bodies &&
+        a->nodes >= a->vertices + a->laid_nodes && a->nodes < INT_MAX / 9 && a->visits >= 0 &&
+        a->visits < INT_MAX / 9 && a->time >= 0.0 && a->dt > 0.0;
+}
+
+/* Reads one network from a state and checks it; *u, at most `visits` of them, are its sliding coordinates. */
+static yc_result yci_state_take(yc_scene *s, const yci_cloth *cloth, const char *buffer, size_t size, size_t *at,
+    const char *u, int visits, yc_yarns *out) {
+    yci_context *c = &s->c;
+    const yc_mesh *mesh = cloth->desc.mesh.vertex_count ? &cloth->desc.mesh : NULL;
+    int count[3], i;
+    size_t bytes;
+    double *laid;
+    char why[YC_MESSAGE_SIZE];
+    yc_result result;
+    if (size - *at < sizeof count) return YCI_FAIL(c, YC_ERROR_PARSE, "the state ends before its networks");
+    memcpy(count, buffer + *at, sizeof count);
+    for (i = 0; i < 3; i++)
+        if (count[i] < 1 || (size_t)count[i] > size || count[0] < cloth->laid_nodes || count[2] > visits)
+            return YCI_FAIL(c, YC_ERROR_PARSE, "a network of the state has %d nodes, %d yarns, %d visits", count[0],
+                count[1], count[2]);
+    if (!yci_network_new(c, &cloth->yarns, count[0], count[1], count[2], mesh != NULL, out))
+        return yci_out_of_memory(c, "a state");
+    if (yci_state_network(out, YCI_STATE_ASK, NULL, *at) > size)
+        return YCI_FAIL(c, YC_ERROR_PARSE, "the state ends within a network");
+    *at = yci_state_network(out, YCI_STATE_READ, (char *)buffer, *at);
+    for (i = 0; i < count[2]; i++)
+        if (!yci_finite(out->visit_u[i]))
+            return YCI_FAIL(c, YC_ERROR_PARSE, "a network of the state lays visit %d at %g", i, out->visit_u[i]);
+    bytes = (size_t)count[2] * sizeof *laid;
+    laid = YCI_NEW(c, double, count[2]);
+    if (!laid) return yci_out_of_memory(c, "a state");
+    memcpy(laid, out->visit_u, bytes), memcpy(out->visit_u, u, bytes);
+    result = yci_yarns_check(c, out, mesh);
+    memcpy(out->visit_u, laid, bytes);
+    yci_free(c, laid);
+    if (result == YC_OK || result == YC_ERROR_MEMORY) return result;
+    memcpy(why, c->message, sizeof why);
+    return YCI_FAIL(c, YC_ERROR_PARSE, "the state's %.200s", why);
+}
+
+/* Reads all networks of a state; the arrays in front of them are there. */
+static yc_result yci_state_open(
+    yc_scene *s, const yci_state_head *head, const char *buffer, size_t size, yc_yarns *to) {
+    const char *u = buffer + sizeof *head + 2 * (size_t)s->body_count * sizeof(yci_pose);
+    size_t at = yci_state_size(s, head->nodes, head->visits);
+    int i, k, side, nodes = head->vertices, visits = 0;
+    yc_result result = YC_OK;
+    u += 9 * (size_t)head->nodes * sizeof(double);
+    for (i = 0; i < s->cloth_count; i++) {
+        if (!yci_cloth_yarns(s->cloth + i)) continue;
+        result = yci_state_take(
+            s, s->cloth + i, buffer, size, &at, u + (size_t)visits * sizeof(double), head->visits - visits, to + i);
+        if (result != YC_OK) return result;
+        nodes += to[i].node_count, visits += to[i].visit_count;
+    }
+    if (nodes != head->nodes || visits != head->visits || at != size)
+        return YCI_FAIL(&s->c, YC_ERROR_PARSE, "the state's networks do not add up");
+    for (i = 0; i < s->seam_count; i++)
+        for (k = 0; s->seam[i].desc.kind == YC_NODE && k < s->seam[i].desc.count; k++)
+            for (side = 0; side < 2; side++)
+                if ((side ? s->seam[i].b : s->seam[i].a)[k] >= to[s->seam[i].desc.cloth[side]].node_count)
+                    return YCI_FAIL(&s->c, YC_ERROR_PARSE, "the state lacks a node of seam %d", i);
+    return YC_OK;
 }
 
 YC_API yc_result yc_scene_load(yc_scene *s, const void *buffer, size_t size) {
+    const char *bytes = (const char *)buffer;
+    yci_context *c = &s->c;
     yci_state_head head, own;
+    yci_grow grow[YCI_STATE_ARRAYS + 1];
+    yc_yarns *to;
     size_t i, count;
+    int k, arrays;
+    yc_result result;
     yci_state_head_make(s, &own);
-    if (!buffer || size != yci_state_pass(s, YCI_STATE_ASK, NULL))
-        return YCI_FAIL(&s->c, YC_ERROR_PARSE, "a state of %lu bytes is not this scene's", (unsigned long)size);
+    if (!buffer || size < sizeof head)
+        return YCI_FAIL(c, YC_ERROR_PARSE, "a state of %lu bytes is not this scene's", (unsigned long)size);
     memcpy(&head, buffer, sizeof head);
-    if (!yci_state_head_same(&head, &own) || !(head.time >= 0.0) || !(head.dt > 0.0))
-        return YCI_FAIL(&s->c, YC_ERROR_PARSE, "the state is not this scene's");
-    count = 9 * (size_t)s->nodes + 3 * (size_t)s->visits + 2 * (size_t)s->heights + 4 * (size_t)s->turns +
+    if (!yci_state_head_same(&head, &own) || size < yci_state_size(s, head.nodes, head.visits))
+        return YCI_FAIL(c, YC_ERROR_PARSE, "the state is not this scene's");
+    count = (size_t)(9 + (s->crimped ? 2 : 0) + (s->rubs ? 4 : 0)) * (size_t)head.nodes + 3 * (size_t)head.visits +
         24 * (size_t)s->body_count;
     for (i = 0; i < count; i++) {
         double value; /* the doubles of a state come first, in one row */
-        memcpy(&value, (const char *)buffer + sizeof head + i * sizeof value, sizeof value);
+        memcpy(&value, bytes + sizeof head + i * sizeof value, sizeof value);
         if (!yci_finite(value))
-            return YCI_FAIL(&s->c, YC_ERROR_PARSE, "number %lu of the state is %g", (unsigned long)i, value);
+            return YCI_FAIL(c, YC_ERROR_PARSE, "number %lu of the state is %g", (unsigned long)i, value);
     }
-    yci_state_read(s, (const char *)buffer, 1);
+    to = YCI_NEW(c, yc_yarns, s->cloth_count);
+    result = to ? yci_state_open(s, &head, bytes, size, to) : yci_out_of_memory(c, "a state");
+    if (result == YC_OK) {
+        int nodes = s->node_room > head.nodes ? s->node_room : head.nodes;
+        int visits = s->visit_room > head.visits ? s->visit_room : head.visits;
+        arrays = yci_state_grow(s, nodes, visits, grow);
+        if (!yci_grow_acquire(c, grow, arrays)) result = yci_out_of_memory(c, "a state");
+        else yci_grow_commit(c, grow, arrays), s->node_room = nodes, s->visit_room = visits;
+    }
+    for (k = 0; to && k < s->cloth_count; k++) {
+        yci_free(c, result == YC_OK ? s->cloth[k].yarns.owner : to[k].owner);
+        if (result == YC_OK) s->cloth[k].yarns = to[k];
+    }
+    yci_free(c, to);
+    if (result != YC_OK) return result;
+    yci_scene_number(s);
+    yci_state_read(s, bytes, 1);
+    s->event_count = 0;
     return YC_OK;
 }
 
@@ -14077,6 +14834,7 @@ static yc_result yci_advance(yc_scene *s, double dt, yc_stats *stats) {
     while (remaining > 0.0) {
         double pieces = ceil(remaining / h - 1e-9), step = remaining / yci_max(pieces, 1.0);
         result = yci_weld_closed(s);
+        if (result == YC_OK) result = yci_change_networks(s);
         if (result == YC_OK) result = yci_scene_build(s);
         if (result == YC_OK) result = yci_substep(s, step, step / remaining, stats);
         if (result == YC_ERROR_DIVERGED && 0.5 * step >= s->desc.dt_min) {
@@ -14112,15 +14870,22 @@ YC_API yc_result yc_scene_step(yc_scene *s, double dt, yc_stats *out) {
     char *before;
     double clock = yci_seconds();
     yc_result result;
+    int events = s->event_count;
     memset(&stats, 0, sizeof stats);
     if (!(dt > 0.0 && dt < 1e6))
         return YCI_FAIL(&s->c, YC_ERROR_ARGUMENT, "dt = %g must be greater than 0 and below 1e6 s", dt);
-    before = (char *)yci_alloc(&s->c, yci_state_pass(s, YCI_STATE_ASK, NULL), 1);
+    before = (char *)yci_alloc(&s->c, yci_state_size(s, s->nodes, s->visits), 1);
     if (!before) return yci_out_of_memory(&s->c, "the state before the step");
     yci_state_write(s, before);
     result = yci_advance(s, dt, &stats);
-    if (result != YC_OK) yci_state_read(s, before, 0);
+    yci_change_settle(s, result != YC_OK);
+    if (result != YC_OK) yci_state_read(s, before, 0), s->event_count = events;
+    else if (events) {
+        s->event_count -= events;
+        memmove(s->event, s->event + events, (size_t)s->event_count * sizeof *s->event);
+    }
     yci_free(&s->c, before);
+    stats.events = result == YC_OK ? s->event_count : 0;
     stats.seconds = yci_seconds() - clock;
     yci_stats_fill(s, &stats);
     if (out) *out = stats;
@@ -14278,6 +15043,7 @@ static yc_result yci_vertex_values(yc_scene *s, const yci_cloth *cloth, const do
 static yc_result yci_point_values(yc_scene *s, int cloth, yc_point kind, const double *value, double (*out)[3]) {
     const yc_yarns *y;
     yc_result result = yci_handle_check(&s->c, "cloth", cloth, s->cloth_count);
+    double mean;
     int i, k;
     if (result != YC_OK) return result;
     if (kind != YC_VERTEX && kind != YC_NODE)
@@ -14290,7 +15056,9 @@ static yc_result yci_point_values(yc_scene *s, int cloth, yc_point kind, const d
     for (i = 0; y && i < y->node_count; i++) {
         int node = s->cloth[cloth].node + i;
         yci_copy(out[i], value + 3 * node);
-        if (s->model->role[node] != YCI_IDLE || !y->triangle) continue;
+        if (s->model->role[node] != YCI_IDLE || !y->triangle ||
+            yci_cloth_region(s->cloth + cloth, y->triangle[i], &mean) == YCI_FULL)
+            continue;
         yci_zero(out[i], 3); /* a dummy node follows the mesh */
         for (k = 0; k < 3; k++)
             yci_axpy(
@@ -14310,8 +15078,18 @@ YC_API yc_result yc_scene_velocities(yc_scene *s, int cloth, yc_point kind, doub
 YC_API yc_result yc_scene_sliding(yc_scene *s, int cloth, double *out) {
     yc_result result = yci_handle_check(&s->c, "cloth", cloth, s->cloth_count);
     if (result != YC_OK) return result;
-    if (s->cloth[cloth].desc.yarns)
+    if (yci_cloth_yarns(s->cloth + cloth))
         memcpy(out, s->u + s->cloth[cloth].visit, (size_t)s->cloth[cloth].yarns.visit_count * sizeof *out);
+    return YC_OK;
+}
+
+YC_API yc_result yc_scene_network(const yc_scene *s, int cloth, yc_yarns *out) {
+    yci_context *c = &((yc_scene *)s)->c; /* only its message may change */
+    yc_result result = yci_handle_check(c, "cloth", cloth, s->cloth_count);
+    if (result != YC_OK) return result;
+    if (!yci_cloth_yarns(s->cloth + cloth)) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth %d has no yarns", cloth);
+    *out = s->cloth[cloth].yarns;
+    out->visit_u = s->u + s->cloth[cloth].visit, out->owner = NULL;
     return YC_OK;
 }
 

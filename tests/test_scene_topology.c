@@ -1,0 +1,513 @@
+/* Yarn networks that change while a scene runs: pull-out, fraying, snags, breaks; and that nothing else is lost. */
+#include "internals.h"
+#include "test.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SIDE = 10 }; /* yarns each way */
+
+/* A free plain swatch in the xy plane, its pattern's place. */
+typedef struct swatch {
+    yc_yarns yarns;
+    yc_scene *scene;
+    double mass;
+} swatch;
+
+static swatch swatch_new(const yc_host *host, int side, const yc_yarn_material *yarn, int hold) {
+    yc_weave_desc weave = yc_weave_desc_default();
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    swatch w;
+    memset(&w, 0, sizeof w);
+    weave.size[0] = weave.size[1] = side * weave.spacing[0], weave.warp = weave.weft = *yarn;
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    settings.mass_damping = 20.0;
+    CHECK_RESULT(yc_weave(NULL, &weave, NULL, &w.yarns, NULL), YC_OK);
+    cloth.yarns = &w.yarns, cloth.hold_network = hold;
+    CHECK_RESULT(yc_scene_create(host, &settings, &w.scene, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_add_cloth(w.scene, &cloth, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_momentum(w.scene, &w.mass, NULL, NULL), YC_OK);
+    return w;
+}
+
+static void swatch_free(swatch *w) {
+    yc_scene_destroy(w->scene);
+    yc_yarns_destroy(&w->yarns);
+}
+
+static yc_yarn_material gripping(double preload) {
+    yc_yarn_material m = yc_yarn_material_default();
+    m.preload = preload;
+    return m;
+}
+
+/* The node of end 0 or 1 of the k-th yarn of a family. */
+static int tip_of(const yc_yarns *y, int family, int k, int end) {
+    int i;
+    for (i = 0; i < y->yarn_count; i++)
+        if (y->yarn_family[i] == family && k-- == 0)
+            return y->visit_node[end ? y->yarn_first[i + 1] - 1 : y->yarn_first[i]];
+    return -1;
+}
+
+static void draw_node(swatch *w, int node, double dx, double dz) {
+    double at[3];
+    memcpy(at, w->yarns.layout[node], sizeof at);
+    at[0] += dx, at[2] += dz;
+    CHECK_RESULT(yc_scene_pin(w->scene, 0, YC_NODE, node, at), YC_OK);
+}
+
+/* What holds after every step and every event. */
+static int sound(const swatch *w) {
+    yc_yarns now;
+    double mass = 0.0, (*x)[3];
+    int i, ok = CHECK_RESULT(yc_scene_network(w->scene, 0, &now), YC_OK);
+    char why[YC_MESSAGE_SIZE];
+    if (!ok) return 0;
+    ok = CHECK_RESULT(yc_yarns_check(&now, NULL, why), YC_OK);
+    if (!ok) printf("%s\n", why);
+    ok = ok && CHECK(now.node_count >= w->yarns.node_count && now.yarn_count >= w->yarns.yarn_count);
+    for (i = 0; ok && i < now.visit_count; i++) ok = CHECK(now.visit_layer[i] == 0 || !now.visit_held[i]);
+    CHECK_RESULT(yc_scene_momentum(w->scene, &mass, NULL, NULL), YC_OK);
+    ok = ok && CHECK_NEAR(mass / w->mass, 1.0, 1e-12);
+    x = (double(*)[3])malloc((size_t)now.node_count * sizeof *x);
+    CHECK_RESULT(yc_scene_positions(w->scene, 0, YC_NODE, x), YC_OK);
+    for (i = 0; ok && i < 3 * now.node_count; i++) ok = CHECK(fabs(x[i / 3][i % 3]) < 100.0);
+    free(x);
+    return ok;
+}
+
+/* Brings about what is due, on its own, and compares mass and momentum; returns the number of events. */
+static int change(swatch *w) {
+    double mass[2], before[3], after[3], speed = 0.0;
+    int i, events = w->scene->event_count;
+    CHECK_RESULT(yc_scene_momentum(w->scene, &mass[0], before, NULL), YC_OK);
+    for (i = 0; i < 3 * w->scene->nodes; i++) speed = fmax(speed, fabs(w->scene->velocity[i]));
+    if (!CHECK_RESULT(yci_change_networks(w->scene), YC_OK)) return 0;
+    yci_change_settle(w->scene, 0);
+    CHECK_RESULT(yc_scene_momentum(w->scene, &mass[1], after, NULL), YC_OK);
+    CHECK_NEAR(mass[1] / mass[0], 1.0, 1e-12);
+    for (i = 0; i < w->scene->nodes && !w->scene->pin[i]; i++) {}
+    if (i == w->scene->nodes) CHECK_NEAR_ALL(after, before, 3, 1e-12 * (mass[0] * speed + 1e-12));
+    events = w->scene->event_count - events;
+    w->scene->event_count = 0;
+    return events;
+}
+
+static int count_events(const yc_scene *scene, yc_event_type type) {
+    int i, n, found = 0;
+    const yc_event *e = yc_scene_events(scene, &n);
+    for (i = 0; i < n; i++) found += e[i].type == type;
+    return found;
+}
+
+/* ---- pull-out ------------------------------------------------------------------------------------------------- */
+
+static void hold_warps(swatch *w) {
+    int k;
+    for (k = 0; k < SIDE; k++) {
+        draw_node(w, tip_of(&w->yarns, YC_WARP, k, 0), 0.0, 0.0);
+        draw_node(w, tip_of(&w->yarns, YC_WARP, k, 1), 0.0, 0.0);
+    }
+}
+
+/* A weft drawn out by its right end leaves the warps from left to right, and each takes its share of friction. */
+TEST(scene_topology_pull_out) {
+    yc_yarn_material yarn = gripping(0.05);
+    swatch w = swatch_new(NULL, SIDE, &yarn, 0);
+    double plateau[SIDE + 1], force[3], last = 0.0;
+    int tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), weft = SIDE + SIDE / 2, step, i, n, released = 0, loose = 0,
+        ok = 1;
+    memset(plateau, 0, sizeof plateau);
+    hold_warps(&w);
+    for (step = 1; step <= 140 && ok; step++) {
+        const yc_event *e;
+        yc_stats stats;
+        draw_node(&w, tip, 0.05 * 5e-3 * step, 0.0);
+        ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, &stats), YC_OK) && sound(&w);
+        e = yc_scene_events(w.scene, &n);
+        CHECK(stats.events == n);
+        for (i = 0; i < n; i++) {
+            CHECK(e[i].cloth == 0 && e[i].yarn == weft && e[i].time >= last && e[i].time <= yc_scene_time(w.scene));
+            last = e[i].time;
+            if (e[i].type == YC_EVENT_RELEASE) CHECK(e[i].other == released++);
+            else if (e[i].type == YC_EVENT_LOOSE) CHECK(released == SIDE), loose++;
+            else CHECK(e[i].type == YC_EVENT_SPLIT && e[i].node >= w.yarns.node_count);
+        }
+        CHECK_RESULT(yc_scene_pin_force(w.scene, 0, YC_NODE, tip, force), YC_OK);
+        plateau[released] = force[0]; /* the last before the next release */
+    }
+    CHECK(released == SIDE && loose == 1);
+    for (i = 0; i < SIDE;
+         i++) { /* friction 0.3 times preload 0.05 N a crossing, and the compression that tension makes */
+        double least = 0.3 * 0.05 * (SIDE - i);
+        CHECK(plateau[i] > least && plateau[i] < 1.35 * least + 1e-3);
+    }
+    CHECK_NEAR(plateau[SIDE], 0.0, 1e-4);
+    swatch_free(&w);
+}
+
+/* The same with a network that is held, and with a secured end: nothing leaves, the force only grows. */
+TEST(scene_topology_held) {
+    yc_yarn_material yarn = gripping(0.01);
+    int way;
+    for (way = 0; way < 2; way++) {
+        swatch w = swatch_new(NULL, SIDE, &yarn, way == 0);
+        int tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), step, ok = 1;
+        double force[3];
+        if (way) { /* the far end of that weft; the scene's own copy, since nothing else needs another network here */
+            yc_yarns *own = &w.scene->cloth[0].yarns;
+            own->visit_held[own->yarn_first[SIDE + SIDE / 2]] = 2;
+        }
+        hold_warps(&w);
+        for (step = 1; step <= 30 && ok; step++) {
+            draw_node(&w, tip, 0.02 * 5e-3 * step, 0.0);
+            ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK) && sound(&w);
+            CHECK(count_events(w.scene, YC_EVENT_RELEASE) == 0);
+        }
+        CHECK_RESULT(yc_scene_pin_force(w.scene, 0, YC_NODE, tip, force), YC_OK);
+        CHECK(force[0] > 1.2 * SIDE * 0.3 * 0.01);
+        swatch_free(&w);
+    }
+}
+
+/* ---- fraying, snag -------------------------------------------------------------------------------------------- */
+
+/* The outermost warp is drawn off the edge by both its ends: all wefts slide out of it, from its ends inwards. */
+TEST(scene_topology_fray) {
+    yc_yarn_material yarn = gripping(0.01);
+    swatch w = swatch_new(NULL, SIDE, &yarn, 0);
+    int ends[2], step, i, n, released = 0, loose = 0, seen[SIDE] = {0}, ok = 1;
+    ends[0] = tip_of(&w.yarns, YC_WARP, SIDE - 1, 0), ends[1] = tip_of(&w.yarns, YC_WARP, SIDE - 1, 1);
+    for (i = 0; i < SIDE; i++) draw_node(&w, tip_of(&w.yarns, YC_WEFT, i, 0), 0.0, 0.0);
+    for (step = 1; step <= 60 && ok; step++) {
+        const yc_event *e;
+        for (i = 0; i < 2; i++) draw_node(&w, ends[i], 0.05 * 5e-3 * step, 0.0);
+        ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK) && sound(&w);
+        e = yc_scene_events(w.scene, &n);
+        for (i = 0; i < n; i++) {
+            if (e[i].type == YC_EVENT_RELEASE) {
+                CHECK(e[i].other == SIDE - 1 && e[i].yarn >= SIDE && !seen[e[i].yarn - SIDE]);
+                seen[e[i].yarn - SIDE] = 1, released++;
+            } else if (CHECK(e[i].type == YC_EVENT_LOOSE)) loose++, CHECK(e[i].yarn == SIDE - 1);
+        }
+    }
+    CHECK(released == SIDE && loose == 1);
+    swatch_free(&w);
+}
+
+/* A crossing lifted out of the plane draws both its yarns in: they slide through their neighbours, which come closer in
+ * material, and with strong yarns nothing breaks. */
+TEST(scene_topology_snag) {
+    yc_yarn_material yarn = gripping(0.002);
+    swatch w;
+    int middle = (SIDE / 2) * SIDE + SIDE / 2, step, i, k, ok = 1, slid = 0;
+    yarn.strength = 5.0;
+    w = swatch_new(NULL, SIDE, &yarn, 0);
+    for (i = 0; i < 2; i++)
+        for (k = 0; k < 2; k++)
+            draw_node(&w, tip_of(&w.yarns, i ? YC_WEFT : YC_WARP, 0, k), 0.0, 0.0),
+                draw_node(&w, tip_of(&w.yarns, i ? YC_WEFT : YC_WARP, SIDE - 1, k), 0.0, 0.0);
+    for (step = 1; step <= 60 && ok; step++) {
+        draw_node(&w, middle, 0.0, 5e-3 * step / 60.0);
+        ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK) && sound(&w);
+        CHECK(count_events(w.scene, YC_EVENT_BREAK) == 0);
+    }
+    for (i = 0; i < w.scene->cloth[0].yarns.yarn_count; i++) {
+        const yc_yarns *y = &w.scene->cloth[0].yarns;
+        for (k = y->yarn_first[i]; k + 1 < y->yarn_first[i + 1]; k++)
+            slid += y->visit_node[k] == middle && w.scene->u[k + 1] - w.scene->u[k] > 1.05 * 2.5e-3;
+    }
+    CHECK(slid == 2); /* the loop holds more of both yarns than was laid there */
+    swatch_free(&w);
+}
+
+/* ---- breaks --------------------------------------------------------------------------------------------------- */
+
+/* A yarn of `pieces` segments, straight, in a scene without gravity. */
+typedef struct thread {
+    yc_yarn_material material;
+    double layout[20][3], u[20];
+    int first[2], visit_node[20], yarn_material;
+    unsigned char family, held[20];
+    signed char layer[20];
+    yc_yarns yarns;
+} thread;
+
+static swatch thread_new(thread *t, int pieces, double length, double strength, double damping) {
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    swatch w;
+    int i;
+    memset(t, 0, sizeof *t), memset(&w, 0, sizeof w);
+    t->material = yc_yarn_material_default(), t->material.strength = strength;
+    for (i = 0; i <= pieces; i++) t->layout[i][0] = t->u[i] = length * i / pieces, t->visit_node[i] = i, t->held[i] = 1;
+    t->first[1] = pieces + 1;
+    t->yarns.node_count = t->yarns.visit_count = pieces + 1, t->yarns.yarn_count = t->yarns.material_count = 1;
+    t->yarns.layout = t->layout, t->yarns.yarn_first = t->first, t->yarns.yarn_family = &t->family;
+    t->yarns.yarn_material = &t->yarn_material, t->yarns.visit_node = t->visit_node, t->yarns.visit_u = t->u;
+    t->yarns.visit_layer = t->layer, t->yarns.visit_held = t->held, t->yarns.materials = &t->material;
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    settings.mass_damping = damping, settings.tolerance = 1e-9;
+    w.yarns = t->yarns, cloth.yarns = &t->yarns;
+    CHECK_RESULT(yc_scene_create(NULL, &settings, &w.scene, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_add_cloth(w.scene, &cloth, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_momentum(w.scene, &w.mass, NULL, NULL), YC_OK);
+    return w;
+}
+
+/* Stretched by its ends it breaks once, at 2 N, and both halves fly apart with opposite momentum. */
+TEST(scene_topology_break) {
+    thread t;
+    swatch w = thread_new(&t, 7, 0.05, 2.0, 0.0);
+    int step, i, n, broken = 0;
+    double before[3], after[3], middle[3], speed = 0.0;
+    for (step = 1; step <= 30 && !broken; step++) {
+        const yc_event *e;
+        draw_node(&w, 0, -5e-5 * step, 0.0), draw_node(&w, 7, 5e-5 * step, 0.0);
+        if (!CHECK_RESULT(yc_scene_step(w.scene, 1e-3, NULL), YC_OK) || !sound(&w)) break;
+        e = yc_scene_events(w.scene, &n);
+        for (i = 0; i < n; i++) {
+            broken += e[i].type == YC_EVENT_BREAK;
+            CHECK(e[i].type == YC_EVENT_BREAK && e[i].yarn == 0 && e[i].other == 1 && e[i].node == 8);
+        }
+        /* At 50 N stiffness it takes 4 % of 5 cm, drawn by 0.1 mm a step. */
+        CHECK(!broken || abs(step - 21) <= 1);
+    }
+    CHECK(broken == 1);
+    CHECK_RESULT(yc_scene_unpin(w.scene, 0, YC_NODE, 0), YC_OK);
+    CHECK_RESULT(yc_scene_unpin(w.scene, 0, YC_NODE, 7), YC_OK);
+    CHECK_RESULT(yc_scene_momentum(w.scene, NULL, before, NULL), YC_OK);
+    for (step = 0; step < 20; step++) CHECK_RESULT(yc_scene_step(w.scene, 1e-3, NULL), YC_OK);
+    sound(&w);
+    CHECK_RESULT(yc_scene_momentum(w.scene, NULL, after, NULL), YC_OK);
+    for (i = 0; i < w.scene->nodes; i++) speed = fmax(speed, fabs(w.scene->velocity[3 * i]));
+    CHECK(speed > 0.1);
+    CHECK_NEAR_ALL(after, before, 3, 1e-9 * w.mass);
+    memcpy(middle, w.scene->x + 3 * 8, sizeof middle);
+    CHECK(middle[0] < w.scene->x[3 * 9]); /* the halves are apart */
+    CHECK(w.scene->cloth[0].yarns.yarn_count == 2 && w.scene->cloth[0].yarns.node_count == 10);
+    CHECK_RESULT(yc_scene_step(w.scene, 1e-3, NULL), YC_OK);
+    yc_scene_events(w.scene, &n);
+    CHECK(n == 0);
+    yc_scene_destroy(w.scene);
+}
+
+/* ---- promises ------------------------------------------------------------------------------------------------- */
+
+/* Kicks at random places, sometimes a pin. */
+static void abuse(swatch *w, uint64_t *state, int pins) {
+    int node = test_random_int(state, w->scene->nodes);
+    double v[3], at[3];
+    test_random_array(state, -1.0, 1.0, v, 3), test_random_array(state, -2e-3, 2e-3, at, 3);
+    CHECK_RESULT(yc_scene_set_velocity(w->scene, 0, YC_NODE, node, v), YC_OK);
+    if (!pins) return;
+    node = test_random_int(state, w->scene->nodes);
+    if (w->scene->pin[node]) CHECK_RESULT(yc_scene_unpin(w->scene, 0, YC_NODE, node), YC_OK);
+    else {
+        yci_axpy(at, 1.0, w->scene->x + 3 * node);
+        CHECK_RESULT(yc_scene_pin(w->scene, 0, YC_NODE, node, at), YC_OK);
+    }
+}
+
+static yc_yarn_material fragile(void) {
+    yc_yarn_material m = gripping(0.0);
+    m.strength = 1.0, m.friction = 0.05;
+    return m;
+}
+
+/* A step that is too rough may be refused; then all is as before it, and the next kick may be milder. */
+TEST(scene_topology_abuse) {
+    yc_yarn_material yarn = fragile();
+    int pins, kinds[5] = {0}, refused = 0;
+    for (pins = 0; pins < 2; pins++) {
+        swatch w = swatch_new(NULL, 5, &yarn, 0);
+        uint64_t state = 11;
+        int step, i, n, ok = 1;
+        for (step = 0; step < 100 && ok; step++) {
+            const yc_event *e;
+            yc_result result;
+            abuse(&w, &state, pins);
+            result = yc_scene_step(w.scene, 4e-3, NULL);
+            refused += result != YC_OK;
+            ok = CHECK(result == YC_OK || result == YC_ERROR_DIVERGED) && sound(&w);
+            e = yc_scene_events(w.scene, &n);
+            for (i = 0; i < n; i++) kinds[e[i].type]++;
+            w.scene->event_count = 0;
+            change(&w), ok = ok && sound(&w);
+        }
+        swatch_free(&w);
+    }
+    for (pins = 0; pins < 5; pins++) CHECK(kinds[pins] > 0);
+    CHECK(refused < 10);
+}
+
+typedef struct bytes {
+    char *at;
+    size_t size;
+} bytes;
+
+static bytes save_of(yc_scene *scene) {
+    bytes b;
+    b.at = NULL, b.size = 0;
+    CHECK_RESULT(yc_scene_save(scene, NULL, &b.size), YC_OK);
+    b.at = (char *)malloc(b.size);
+    CHECK_RESULT(yc_scene_save(scene, b.at, &b.size), YC_OK);
+    return b;
+}
+
+static int same(bytes a, bytes b) { return a.size == b.size && !memcmp(a.at, b.at, a.size); }
+
+/* Steps `from` to `to` of a rough life with many events; returns them. */
+static int live(swatch *w, int from, int to) {
+    int step, n, events = 0;
+    for (step = from; step < to; step++) {
+        uint64_t state = (uint64_t)step + 3;
+        abuse(w, &state, step % 3 == 0);
+        if (!CHECK_RESULT(yc_scene_step(w->scene, 4e-3, NULL), YC_OK)) break;
+        yc_scene_events(w->scene, &n);
+        events += n;
+    }
+    return events;
+}
+
+/* A saved state brings its network along, into a scene that has another, earlier or later. */
+TEST(scene_topology_save_and_load) {
+    yc_yarn_material yarn = fragile();
+    swatch a = swatch_new(NULL, 4, &yarn, 0), b = swatch_new(NULL, 4, &yarn, 0), other = swatch_new(NULL, 5, &yarn, 0);
+    bytes start = save_of(a.scene), middle, end, again;
+    uint64_t state = 5;
+    char *bad;
+    int i;
+    CHECK(live(&a, 0, 25) > 3);
+    middle = save_of(a.scene);
+    CHECK(live(&a, 25, 50) > 3);
+    end = save_of(a.scene);
+    CHECK_RESULT(yc_scene_load(b.scene, middle.at, middle.size), YC_OK);
+    sound(&b), live(&b, 25, 50);
+    again = save_of(b.scene);
+    CHECK(same(end, again));
+    free(again.at);
+    CHECK_RESULT(yc_scene_load(a.scene, start.at, start.size), YC_OK); /* back to what was laid */
+    sound(&a), live(&a, 0, 25);
+    again = save_of(a.scene);
+    CHECK(same(middle, again));
+    free(again.at);
+    CHECK_RESULT(yc_scene_load(other.scene, middle.at, middle.size), YC_ERROR_PARSE);
+    bad = (char *)malloc(end.size);
+    for (i = 0; i < 400; i++) { /* whatever is in it, either it is a sound state or it is refused */
+        size_t size = end.size;
+        int k;
+        memcpy(bad, end.at, end.size);
+        for (k = 0; k < 4; k++) {
+            size_t low = i % 2 ? 0 : end.size / 2; /* networks stand in the latter part */
+            bad[low + (size_t)test_random_int(&state, (int)(end.size - low))] = (char)test_random_int(&state, 256);
+        }
+        if (i % 5 == 0) size = (size_t)test_random_int(&state, (int)size);
+        if (yc_scene_load(b.scene, bad, size) == YC_OK) {
+            yc_yarns now;
+            CHECK_RESULT(yc_scene_network(b.scene, 0, &now), YC_OK);
+            CHECK_RESULT(yc_yarns_check(&now, NULL, NULL), YC_OK);
+        }
+    }
+    CHECK_RESULT(yc_scene_load(b.scene, end.at, end.size), YC_OK);
+    free(bad), free(start.at), free(middle.at), free(end.at);
+    swatch_free(&a), swatch_free(&b), swatch_free(&other);
+}
+
+/* An allocation that fails during a step with events, or a host that cancels it, leaves everything as it was. */
+TEST(scene_topology_failing_allocations) {
+    yc_yarn_material yarn = fragile();
+    yc_host host = test_host_counting();
+    swatch w = swatch_new(&host, 3, &yarn, 0);
+    bytes before, after, done;
+    const yc_event *e;
+    int n, i, events = 0, refused = 1, step;
+    for (step = 0; step < 60; step++) { /* to just before a step with several events */
+        before = save_of(w.scene);
+        events = live(&w, step, step + 1);
+        if (events > 2) break;
+        free(before.at);
+    }
+    if (!CHECK(step < 60)) {
+        swatch_free(&w);
+        return;
+    }
+    done = save_of(w.scene);
+    for (n = 0; refused && n < 5000; n += 1 + n / 16) {
+        yc_result result;
+        uint64_t state = (uint64_t)step + 3;
+        CHECK_RESULT(yc_scene_load(w.scene, before.at, before.size), YC_OK);
+        abuse(&w, &state, step % 3 == 0);
+        after = save_of(w.scene);
+        test_heap_grant(n);
+        result = yc_scene_step(w.scene, 4e-3, NULL);
+        test_heap_grant(-1);
+        refused = result == YC_ERROR_MEMORY;
+        e = yc_scene_events(w.scene, &i);
+        CHECK(refused ? i == 0 : i == events && e);
+        if (refused) {
+            bytes now = save_of(w.scene);
+            if (!CHECK(same(now, after))) refused = 0;
+            free(now.at);
+        } else CHECK_RESULT(result, YC_OK);
+        free(after.at);
+    }
+    after = save_of(w.scene);
+    CHECK(same(after, done) && n > 100);
+    free(after.at), free(before.at), free(done.at);
+    swatch_free(&w);
+    CHECK(test_heap.live == 0);
+}
+
+TEST(scene_topology_same_bits_for_any_workers) {
+    static const int workers[] = {1, 0, 3};
+    yc_yarn_material yarn = fragile();
+    bytes first, other;
+    int i;
+    first.at = NULL, first.size = 0;
+    for (i = 0; i < 3; i++) {
+        yc_host host = test_host_threads(workers[i]);
+        swatch w = swatch_new(&host, 4, &yarn, 0);
+        CHECK(live(&w, 0, 30) > 3);
+        other = save_of(w.scene);
+        if (i) CHECK(same(first, other)), free(other.at);
+        else first = other;
+        swatch_free(&w);
+    }
+    free(first.at);
+}
+
+/* ---- seams of nodes ------------------------------------------------------------------------------------------- */
+
+/* Two swatches side by side, sewn weft end to weft end: drawn together in close_time, and kept there. */
+TEST(scene_topology_seam_of_nodes) {
+    yc_yarn_material yarn = gripping(0.05);
+    swatch w = swatch_new(NULL, 3, &yarn, 0);
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_seam_desc seam = yc_seam_desc_default();
+    double(*place)[3] = (double(*)[3])malloc((size_t)w.yarns.node_count * sizeof *place), x[2][64][3], gap = 0.0, d[3];
+    int a[3], b[3], i, step;
+    CHECK(w.yarns.node_count <= 64);
+    for (i = 0; i < w.yarns.node_count; i++)
+        memcpy(place[i], w.yarns.layout[i], sizeof place[i]), place[i][0] += 3.1 * 2.5e-3;
+    cloth.yarns = &w.yarns, cloth.yarn_positions = (const double(*)[3])place;
+    CHECK_RESULT(yc_scene_add_cloth(w.scene, &cloth, NULL), YC_OK);
+    for (i = 0; i < 3; i++) a[i] = tip_of(&w.yarns, YC_WEFT, i, 1), b[i] = tip_of(&w.yarns, YC_WEFT, i, 0);
+    seam.cloth[1] = 1, seam.kind = YC_NODE, seam.count = 3, seam.a = a, seam.b = b, seam.close_time = 0.05;
+    b[1] = w.yarns.node_count;
+    CHECK_RESULT(yc_scene_add_seam(w.scene, &seam, NULL), YC_ERROR_ARGUMENT);
+    CHECK(strstr(yc_scene_message(w.scene), "seam.b[1]") != NULL);
+    b[1] = tip_of(&w.yarns, YC_WEFT, 1, 0);
+    CHECK_RESULT(yc_scene_add_seam(w.scene, &seam, NULL), YC_OK);
+    for (step = 0; step < 40; step++) {
+        CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK);
+        for (i = 0; i < 2; i++) CHECK_RESULT(yc_scene_positions(w.scene, i, YC_NODE, x[i]), YC_OK);
+    }
+    for (i = 0; i < 3; i++) yci_sub(d, x[0][a[i]], x[1][b[i]]), gap = fmax(gap, yci_norm(d));
+    CHECK(gap < 0.02 * 0.1 * 2.5e-3 + 1e-5);
+    free(place);
+    swatch_free(&w);
+}
