@@ -801,7 +801,7 @@ typedef struct yc_event {
 
 /* What happened in the last yc_scene_step, in order; *count of them. Valid until the next call that changes the scene.
  * A step brings about what the state calls for when a sub-step begins, where `pitch` is the mean distance of
- * neighbouring visits in all yarns of a family, as the cloth was given:
+ * neighbouring crossings on the yarns of a family, as the cloth was given:
  * - a free end that is closer than 0.15 pitch, in u, to its crossing slides out of it, and a lone node so close to a
  *   crossing is left out;
  * - a segment longer than twice its pitch, and than twice what was laid there, gets a node;
