@@ -15,13 +15,14 @@ typedef struct swatch {
     double mass;
 } swatch;
 
-static swatch swatch_new(const yc_host *host, int side, const yc_yarn_material *yarn, int hold) {
+static swatch swatch_new(const yc_host *host, int side, const yc_yarn_material *yarn, double crimp, int hold) {
     yc_weave_desc weave = yc_weave_desc_default();
     yc_scene_desc settings = yc_scene_desc_default();
     yc_cloth_desc cloth = yc_cloth_desc_default();
     swatch w;
     memset(&w, 0, sizeof w);
     weave.size[0] = weave.size[1] = side * weave.spacing[0], weave.warp = weave.weft = *yarn;
+    weave.crimp[0] = weave.crimp[1] = crimp;
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.mass_damping = 20.0;
     CHECK_RESULT(yc_weave(NULL, &weave, NULL, &w.yarns, NULL), YC_OK);
@@ -114,9 +115,9 @@ static void hold_warps(swatch *w) {
 }
 
 /* A weft drawn out by its right end leaves the warps from left to right, and each takes its share of friction. */
-TEST(scene_topology_pull_out) {
+static void check_pull_out(double crimp) {
     yc_yarn_material yarn = gripping(0.05);
-    swatch w = swatch_new(NULL, SIDE, &yarn, 0);
+    swatch w = swatch_new(NULL, SIDE, &yarn, crimp, 0);
     double plateau[SIDE + 1], force[3], last = 0.0;
     int tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), weft = SIDE + SIDE / 2, step, i, n, released = 0, loose = 0,
         ok = 1;
@@ -140,21 +141,26 @@ TEST(scene_topology_pull_out) {
         plateau[released] = force[0]; /* the last before the next release */
     }
     CHECK(released == SIDE && loose == 1);
-    for (i = 0; i < SIDE;
-         i++) { /* friction 0.3 times preload 0.05 N a crossing, and the compression that tension makes */
+    /* Friction 0.3 times preload 0.05 N a crossing, and the compression that tension makes. Where it undulates the last
+     * crossings are left several in a step, as the yarn grows longer by straightening. */
+    for (i = 0; i < SIDE; i++) {
         double least = 0.3 * 0.05 * (SIDE - i);
-        CHECK(plateau[i] > least && plateau[i] < 1.35 * least + 1e-3);
+        if (crimp > 0.0) CHECK((i > 6 && plateau[i] == 0.0) || (plateau[i] > 0.75 * least && plateau[i] < 1.5 * least));
+        else CHECK(plateau[i] > least && plateau[i] < 1.35 * least + 1e-3);
     }
     CHECK_NEAR(plateau[SIDE], 0.0, 1e-4);
     swatch_free(&w);
 }
+
+TEST(scene_topology_pull_out) { check_pull_out(0.0); }
+TEST(scene_topology_pull_out_of_crimped_cloth) { check_pull_out(0.06); }
 
 /* The same with a network that is held, and with a secured end: nothing leaves, the force only grows. */
 TEST(scene_topology_held) {
     yc_yarn_material yarn = gripping(0.01);
     int way;
     for (way = 0; way < 2; way++) {
-        swatch w = swatch_new(NULL, SIDE, &yarn, way == 0);
+        swatch w = swatch_new(NULL, SIDE, &yarn, 0.0, way == 0);
         int tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), step, ok = 1;
         double force[3];
         if (way) { /* the far end of that weft; the scene's own copy, since nothing else needs another network here */
@@ -178,7 +184,7 @@ TEST(scene_topology_held) {
 /* The outermost warp is drawn off the edge by both its ends: all wefts slide out of it, from its ends inwards. */
 TEST(scene_topology_fray) {
     yc_yarn_material yarn = gripping(0.01);
-    swatch w = swatch_new(NULL, SIDE, &yarn, 0);
+    swatch w = swatch_new(NULL, SIDE, &yarn, 0.0, 0);
     int ends[2], step, i, n, released = 0, loose = 0, seen[SIDE] = {0}, ok = 1;
     ends[0] = tip_of(&w.yarns, YC_WARP, SIDE - 1, 0), ends[1] = tip_of(&w.yarns, YC_WARP, SIDE - 1, 1);
     for (i = 0; i < SIDE; i++) draw_node(&w, tip_of(&w.yarns, YC_WEFT, i, 0), 0.0, 0.0);
@@ -205,7 +211,7 @@ TEST(scene_topology_snag) {
     swatch w;
     int middle = (SIDE / 2) * SIDE + SIDE / 2, step, i, k, ok = 1, slid = 0;
     yarn.strength = 5.0;
-    w = swatch_new(NULL, SIDE, &yarn, 0);
+    w = swatch_new(NULL, SIDE, &yarn, 0.0, 0);
     for (i = 0; i < 2; i++)
         for (k = 0; k < 2; k++)
             draw_node(&w, tip_of(&w.yarns, i ? YC_WEFT : YC_WARP, 0, k), 0.0, 0.0),
@@ -321,15 +327,15 @@ static yc_yarn_material fragile(void) {
 /* A step that is too rough may be refused; then all is as before it, and the next kick may be milder. */
 TEST(scene_topology_abuse) {
     yc_yarn_material yarn = fragile();
-    int pins, kinds[5] = {0}, refused = 0;
-    for (pins = 0; pins < 2; pins++) {
-        swatch w = swatch_new(NULL, 5, &yarn, 0);
+    int pass, kinds[5] = {0}, refused = 0;
+    for (pass = 0; pass < 4; pass++) {
+        swatch w = swatch_new(NULL, 5, &yarn, pass < 2 ? 0.0 : 0.06, 0);
         uint64_t state = 11;
         int step, i, n, ok = 1;
         for (step = 0; step < 100 && ok; step++) {
             const yc_event *e;
             yc_result result;
-            abuse(&w, &state, pins);
+            abuse(&w, &state, pass % 2);
             result = yc_scene_step(w.scene, 4e-3, NULL);
             refused += result != YC_OK;
             ok = CHECK(result == YC_OK || result == YC_ERROR_DIVERGED) && sound(&w);
@@ -340,8 +346,8 @@ TEST(scene_topology_abuse) {
         }
         swatch_free(&w);
     }
-    for (pins = 0; pins < 5; pins++) CHECK(kinds[pins] > 0);
-    CHECK(refused < 10);
+    for (pass = 0; pass < 5; pass++) CHECK(kinds[pass] > 0);
+    CHECK(refused < 20);
 }
 
 typedef struct bytes {
@@ -374,9 +380,10 @@ static int live(swatch *w, int from, int to) {
 }
 
 /* A saved state brings its network along, into a scene that has another, earlier or later. */
-TEST(scene_topology_save_and_load) {
+static void check_save_and_load(double crimp) {
     yc_yarn_material yarn = fragile();
-    swatch a = swatch_new(NULL, 4, &yarn, 0), b = swatch_new(NULL, 4, &yarn, 0), other = swatch_new(NULL, 5, &yarn, 0);
+    swatch a = swatch_new(NULL, 4, &yarn, crimp, 0), b = swatch_new(NULL, 4, &yarn, crimp, 0),
+           other = swatch_new(NULL, 5, &yarn, crimp, 0);
     bytes start = save_of(a.scene), middle, end, again;
     uint64_t state = 5;
     char *bad;
@@ -417,11 +424,14 @@ TEST(scene_topology_save_and_load) {
     swatch_free(&a), swatch_free(&b), swatch_free(&other);
 }
 
+TEST(scene_topology_save_and_load) { check_save_and_load(0.0); }
+TEST(scene_topology_save_and_load_crimp) { check_save_and_load(0.06); }
+
 /* An allocation that fails during a step with events, or a host that cancels it, leaves everything as it was. */
 TEST(scene_topology_failing_allocations) {
     yc_yarn_material yarn = fragile();
     yc_host host = test_host_counting();
-    swatch w = swatch_new(&host, 3, &yarn, 0);
+    swatch w = swatch_new(&host, 3, &yarn, 0.0, 0);
     bytes before, after, done;
     const yc_event *e;
     int n, i, events = 0, refused = 1, step;
@@ -470,7 +480,7 @@ TEST(scene_topology_same_bits_for_any_workers) {
     first.at = NULL, first.size = 0;
     for (i = 0; i < 3; i++) {
         yc_host host = test_host_threads(workers[i]);
-        swatch w = swatch_new(&host, 4, &yarn, 0);
+        swatch w = swatch_new(&host, 4, &yarn, 0.0, 0);
         CHECK(live(&w, 0, 30) > 3);
         other = save_of(w.scene);
         if (i) CHECK(same(first, other)), free(other.at);
@@ -485,7 +495,7 @@ TEST(scene_topology_same_bits_for_any_workers) {
 /* Two swatches side by side, sewn weft end to weft end: drawn together in close_time, and kept there. */
 TEST(scene_topology_seam_of_nodes) {
     yc_yarn_material yarn = gripping(0.05);
-    swatch w = swatch_new(NULL, 3, &yarn, 0);
+    swatch w = swatch_new(NULL, 3, &yarn, 0.0, 0);
     yc_cloth_desc cloth = yc_cloth_desc_default();
     yc_seam_desc seam = yc_seam_desc_default();
     double(*place)[3] = (double(*)[3])malloc((size_t)w.yarns.node_count * sizeof *place), x[2][64][3], gap = 0.0, d[3];
