@@ -74,6 +74,7 @@ static yc_result finish(scene_sample *s, yc_result result, char *message) {
 static scene_sample *rectangle(const yc_weave_desc *weave, int axis, int across, int along, char *message) {
     yc_weave_desc d = *weave;
     yc_scene_desc settings = scene_quasistatic();
+    if (d.grain != 0.0) settings.tolerance = 1e-8; /* larger swatches and far larger motions */
     d.size[axis] = along * weave->spacing[axis], d.size[!axis] = across * weave->spacing[!axis];
     return scene_sample_new(&d, NULL, &settings, 1, message);
 }
@@ -285,7 +286,7 @@ enum { DISC = 120, BINS = 180 };
 scene_drape_desc scene_drape_desc_default(const yc_weave_desc *weave) {
     scene_drape_desc d;
     d.weave = *weave;
-    d.radius = 0.15, d.support = 0.09, d.dt = 0.01, d.duration = 2.0;
+    d.radius = 0.15, d.support = 0.09, d.dt = 0.01, d.duration = 1.0;
     return d;
 }
 
@@ -326,6 +327,7 @@ yc_result scene_drape_run(const scene_drape_desc *d, scene_drape *out, char *mes
     mesh.triangles = (const int(*)[3])triangle;
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.gravity[2] = -weight, settings.dt_max = d->dt, settings.mass_damping = 8.0;
+    settings.solver = YC_SOLVER_DIRECT;
     s = scene_sample_new(&d->weave, &mesh, &settings, 1, message);
     if (!s) return YC_ERROR_ARGUMENT;
     for (i = 0; i < s->yarns.node_count && result == YC_OK; i++) {
