@@ -30,7 +30,8 @@ scene_sample *scene_sample_new(
     if (result == YC_OK) {
         cloth.yarns = &s->yarns, cloth.hold_sliding = hold_sliding;
         result = yc_scene_add_cloth(s->scene, &cloth, NULL);
-        if (result != YC_OK && message) memcpy(message, yc_scene_message(s->scene), strlen(yc_scene_message(s->scene)) + 1);
+        if (result != YC_OK && message)
+            memcpy(message, yc_scene_message(s->scene), strlen(yc_scene_message(s->scene)) + 1);
     }
     s->x = (double(*)[3])calloc((size_t)s->yarns.node_count + 1, sizeof *s->x);
     if (result != YC_OK || !s->x) {

@@ -37,12 +37,12 @@ int scene_sample_nearest(const scene_sample *sample, double u, double v);
 
 typedef struct scene_tensile_desc {
     yc_weave_desc weave;
-    int axis;         /* 0: along u, the wefts; 1: along v, the warps. With a grain of pi/4 the bias */
+    int axis;          /* 0: along u, the wefts; 1: along v, the warps. With a grain of pi/4 the bias */
     int across, along; /* crossings of the swatch, where the grain is 0; else it is as large as that makes it */
-    int hold_width;   /* nonzero: the swatch keeps its width, as a wide and short one does. Only with a grain of 0 */
-    double step;      /* of the strain */
-    double force;     /* N/m, at which the test ends */
-    double strain;    /* or at this strain of the whole */
+    int hold_width;    /* nonzero: the swatch keeps its width, as a wide and short one does. Only with a grain of 0 */
+    double step;       /* of the strain */
+    double force;      /* N/m, at which the test ends */
+    double strain;     /* or at this strain of the whole */
 } scene_tensile_desc;
 
 /* Strain of the middle, along and across, and force; the first point is 0. */
@@ -64,11 +64,11 @@ double scene_tensile_slope(const scene_tensile *curve, double force);
 
 typedef struct scene_shear_desc {
     yc_weave_desc weave;
-    int axis;              /* the yarns that are clamped and turned: along u or v */
-    int across, along;     /* crossings */
-    double tension;        /* N/m, along them */
-    double angle;          /* rad, of the loop */
-    int steps;             /* from 0 to there */
+    int axis;          /* the yarns that are clamped and turned: along u or v */
+    int across, along; /* crossings */
+    double tension;    /* N/m, along them */
+    double angle;      /* rad, of the loop */
+    int steps;         /* from 0 to there */
 } scene_shear_desc;
 
 typedef struct scene_shear_loop {
