@@ -143,9 +143,9 @@ TEST(fabric_mechanics_drape) {
     scene_drape stiff, soft;
     int family;
     f.weave.warp.friction = f.weave.weft.friction = 0.0, f.weave.crimp[0] = f.weave.crimp[1] = 0.0;
-    f.weave.bundle = 28;
+    f.weave.bundle = 36;
     d = scene_drape_desc_default(&f.weave);
-    d.duration = 0.6, d.dt = 0.02;
+    d.duration = 0.4, d.dt = 0.02;
     if (!CHECK_RESULT(scene_drape_run(&d, &stiff, NULL), YC_OK)) return;
     CHECK(stiff.coefficient > 0.3 && stiff.coefficient < 0.8 && stiff.folds >= 3);
     for (family = 0; family < 2; family++) {

@@ -282,31 +282,48 @@ yc_result scene_cantilever_run(const scene_cantilever_desc *d, scene_cantilever 
 
 /* ---- drape ----------------------------------------------------------------------------------------------------- */
 
-enum { DISC = 120, BINS = 180 };
+enum { DISC = 240 }; /* corners of its outline */
 
 scene_drape_desc scene_drape_desc_default(const yc_weave_desc *weave) {
     scene_drape_desc d;
     d.weave = *weave;
-    d.radius = 0.15, d.support = 0.09, d.dt = 0.01, d.duration = 1.0;
+    d.radius = 0.15, d.support = 0.09, d.dt = 0.01, d.duration = 1.5;
     return d;
 }
 
-/* The shadow's area by sectors, each as wide as its outermost node; empty ones are between their neighbours. */
+typedef struct {
+    double way, x, y; /* where on the outline it is cut, and where it is now */
+} corner;
+
+static int by_way(const void *a, const void *b) {
+    double p = ((const corner *)a)->way, q = ((const corner *)b)->way;
+    return p < q ? -1 : p > q;
+}
+
+/* The ring's share that is left of the area inside the projected outline, a polygon through the yarns' ends. */
 static double shadow(const scene_sample *s, const scene_drape_desc *d, int *folds) {
-    double reach[BINS], area = 0.0, mean = 0.0;
-    int i, k, above = 0;
-    memset(reach, 0, sizeof reach);
-    for (i = 0; i < s->yarns.node_count; i++) {
-        double r = hypot(s->x[i][0], s->x[i][1]);
-        k = (int)(BINS * (0.5 + atan2(s->x[i][1], s->x[i][0]) / (2.0 * pi)));
-        k = k < 0 ? 0 : k >= BINS ? BINS - 1 : k;
-        if (r > reach[k]) reach[k] = r;
+    const yc_yarns *y = &s->yarns;
+    corner *c = (corner *)calloc(2 * (size_t)y->yarn_count, sizeof *c);
+    double area = 0.0, mean = 0.0;
+    int i, n = 0, above = 0;
+    if (!c) return NAN;
+    for (i = 0; i < 2 * y->yarn_count; i++) {
+        int node = y->visit_node[i % 2 ? y->yarn_first[i / 2 + 1] - 1 : y->yarn_first[i / 2]];
+        const double *at = y->layout[node];
+        if (hypot(at[0], at[1]) < d->radius * cos(pi / DISC) - tiny) continue;
+        c[n].way = atan2(at[1], at[0]), c[n].x = s->x[node][0], c[n++].y = s->x[node][1];
     }
-    for (k = 0; k < BINS; k++) mean += reach[k] / BINS, area += pi / BINS * reach[k] * reach[k];
-    for (*folds = 0, k = 0; k <= BINS; k++) { /* with some play about the mean */
-        if (!above && reach[k % BINS] > 1.03 * mean) above = 1, *folds += k < BINS;
-        if (reach[k % BINS] < 0.97 * mean) above = 0;
+    qsort(c, (size_t)n, sizeof *c, by_way);
+    for (i = 0; i < n; i++) {
+        const corner *p = c + i, *q = c + (i + 1) % n;
+        area += 0.5 * (p->x * q->y - p->y * q->x), mean += hypot(p->x, p->y) / n;
     }
+    for (*folds = 0, i = 0; i <= n; i++) { /* with some play about the mean */
+        double r = hypot(c[i % n].x, c[i % n].y);
+        if (!above && r > 1.03 * mean) above = 1, *folds += i < n;
+        if (r < 0.97 * mean) above = 0;
+    }
+    free(c);
     return (area - pi * d->support * d->support) / (pi * (d->radius * d->radius - d->support * d->support));
 }
 
