@@ -1,0 +1,382 @@
+/* bench-woven: woven fabrics against what laboratories measure, weaves of the same yarns among themselves, and the cost
+ * of a time step.
+ *
+ *   bench-woven [--quick] [fabrics | weaves | speed ...]     only these parts
+ *
+ * Fabrics. Each of the named fabrics is tested as tests/scenes/mechanics.h says, its yarns laid one by one, and set
+ * beside the range measured on fabrics of its kind.
+ *   mass       of what is laid
+ *   extension  at the range's tension. The swatch is four times as wide as it is long, as that of the Kawabata system,
+ *              clamped along its long sides. Beside it, without a goal, a narrow strip and a swatch that keeps its
+ *              width
+ *   modulus    initial, the first 0.1 % (no range is known), and final, the slope at that tension. Its range follows
+ *              from that of the extension: a power law whose linearity is LT (the work under the curve over that of a
+ *              straight line) ends with the slope (2/LT - 1) tension / extension, and LT lies between 0.6 and 0.8
+ *   bias       slopes of a strip cut at 45 degrees at the start and at 5 %; no range is known
+ *   shear      between 0.5 and 2.5 degrees, and the loop's width at 0.5 degrees (2HG), of a loop to 8 degrees under a
+ *              tension of 9.8 N/m, mean of both directions
+ *   bending    by the cantilever, at an overhang of two bending lengths
+ *   drape      of a disc of 30 cm on a support of 18 cm, of yarns in bundles and without crimp and friction: a
+ *              bundle's moments of friction are too large (see yci_yarn_bundle). Two sizes of bundles
+ * Under each fabric: 2HG once the friction springs are 20 times as stiff, so that they let go within the loop.
+ *
+ * Weaves. Plain, twill 2/2 and five-end satin of a shirting's yarns, as high over their crossings as in the plain
+ * weave, so that crimp is less the fewer there are. A goal for shear stiffness, one for the loop and one for bending:
+ * satin gives most, plain least, in order.
+ *
+ * Speed. A square of plain weave of 1 mm, held by one edge, swings down from the horizontal, 1 ms a step, default
+ * settings, after 60 ms in steps of 5 ms. Microseconds of processor time, on one thread, per crossing and step, the
+ * median of 20 steps; the exponent is that of the time by crossings from the smallest to the largest. The drop of the free edge
+ * is set beside a run to a tolerance of 1e-8 m and a linear one of 1e-6, where that is short. Goals: 10 us, and 1.1. */
+#define _POSIX_C_SOURCE 200809L /* NOLINT(bugprone-reserved-identifier): what POSIX prescribes */
+#include "bench.h"
+#include "../scenes/mechanics.h"
+#include "yarncloth.h"
+#include <math.h>
+#include <stdarg.h>
+
+static const double degree = 3.14159265358979323846 / 180.0;
+
+/* ---- output and goals ------------------------------------------------------------------------------------------ */
+
+static FILE *record;
+static int quick;
+
+static void say(const char *format, ...) {
+    va_list args;
+    va_start(args, format), vprintf(format, args), va_end(args);
+    fflush(stdout);
+    if (!record) return;
+    va_start(args, format), vfprintf(record, format, args), va_end(args);
+    fflush(record);
+}
+
+static struct {
+    int goals, met;
+    double worst; /* reached share */
+    char which[96];
+} tally;
+
+static void count_goal(const char *name, const char *what, double share) {
+    if (!(share >= 0.0)) share = 0.0;
+    tally.goals++, tally.met += share >= 1.0;
+    if (share >= tally.worst && tally.goals > 1) return;
+    tally.worst = share;
+    snprintf(tally.which, sizeof tally.which, "%s, %s", name, what);
+}
+
+/* A measured range is a goal: inside 1 or more is reached, outside the quotient with the nearer end. */
+static void report(
+    const char *name, const char *what, double value, const double range[2], double unit, const char *unit_name) {
+    double share = value < range[0] ? value / range[0] : value > range[1] ? range[1] / value : 1.0;
+    say("%-17s%-22s%11.4g  %9.4g to %-9.4g %-8s %s\n", name, what, value / unit, range[0] / unit, range[1] / unit,
+        unit_name, share >= 1.0 ? "in" : "out");
+    count_goal(name, what, share);
+}
+
+static void report_alone(const char *name, const char *what, double value, double unit, const char *unit_name) {
+    say("%-17s%-22s%11.4g  %22s %s\n", name, what, value / unit, "", unit_name);
+}
+
+static void failed(const char *name, const char *what, const char *message) {
+    say("%-17s%-22s%11s  %s\n", name, what, "failed", message);
+}
+
+/* ---- tests of a fabric ----------------------------------------------------------------------------------------- */
+
+static int repeat_of(const yc_weave_desc *w) { return w->repeat[0] > w->repeat[1] ? w->repeat[0] : w->repeat[1]; }
+
+static yc_result tensile(const yc_weave_desc *w, int axis, int across, int along, int hold_width, double force,
+    scene_tensile *out, char *message) {
+    scene_tensile_desc d;
+    memset(&d, 0, sizeof d);
+    d.weave = *w, d.axis = axis, d.across = across, d.along = along, d.hold_width = hold_width;
+    d.step = 1e-3, d.force = 1.1 * force, d.strain = 0.2;
+    return scene_tensile_run(&d, out, message);
+}
+
+static yc_result shear(const yc_weave_desc *w, int axis, int times, scene_shear_loop *out, char *message) {
+    scene_shear_desc d;
+    memset(&d, 0, sizeof d);
+    d.weave = *w, d.axis = axis, d.across = d.along = 20 * times; /* whole repeats; smaller, its border makes it soft */
+    d.tension = 9.80665, d.angle = 8.0 * degree, d.steps = 16;
+    return scene_shear_run(&d, out, message);
+}
+
+static yc_result cantilever(const yc_weave_desc *w, int axis, int times, scene_cantilever *out, char *message) {
+    double rigidity = (axis ? w->warp : w->weft).bending / w->spacing[!axis];
+    scene_cantilever_desc d;
+    memset(&d, 0, sizeof d);
+    d.weave = *w, d.axis = axis, d.across = times * (w->draft ? repeat_of(w) : 4);
+    d.overhang = 2.0 * cbrt(rigidity / (9.81 * yc_weave_material(w).density));
+    return scene_cantilever_run(&d, out, message);
+}
+
+static void report_tension(const yc_fabric *f) {
+    static const char *const family[] = {"weft", "warp"};
+    char message[YC_MESSAGE_SIZE], what[64];
+    scene_tensile curve;
+    scene_tensile_desc bias;
+    double final[2];
+    int axis, form, n = repeat_of(&f->weave) > 2 ? 6 * repeat_of(&f->weave) : 20;
+    final[0] = (2.0 / 0.8 - 1.0) * f->tension / f->extension[1];
+    final[1] = (2.0 / 0.6 - 1.0) * f->tension / f->extension[0];
+    for (axis = 1; axis >= 0; axis--) {
+        snprintf(what, sizeof what, "tension, %s", family[axis]);
+        if (tensile(&f->weave, axis, 64, 16, 0, f->tension, &curve, message) != YC_OK) {
+            failed(f->name, what, message), count_goal(f->name, what, 0.0), count_goal(f->name, what, 0.0);
+            continue;
+        }
+        snprintf(what, sizeof what, "extension, %s", family[axis]);
+        report(f->name, what, scene_tensile_at(&curve, f->tension), f->extension, 0.01, "%");
+        snprintf(what, sizeof what, "initial modulus, %s", family[axis]);
+        report_alone(f->name, what, curve.force[1] / curve.strain[1], 1e3, "kN/m");
+        snprintf(what, sizeof what, "final modulus, %s", family[axis]);
+        report(f->name, what, scene_tensile_slope(&curve, f->tension), final, 1e3, "kN/m");
+        for (form = 0; form < 2; form++) {
+            if (tensile(&f->weave, axis, n / 2, n, form, f->tension, &curve, message) != YC_OK) continue;
+            snprintf(what, sizeof what, form ? "  width held, %s" : "  narrow strip, %s", family[axis]);
+            report_alone(f->name, what, scene_tensile_at(&curve, f->tension), 0.01, "%");
+        }
+    }
+    memset(&bias, 0, sizeof bias);
+    bias.weave = f->weave, bias.weave.grain = 45.0 * degree, bias.axis = 1, bias.across = 12, bias.along = 36;
+    if (repeat_of(&f->weave) > 4) bias.across = 16;
+    bias.step = 5e-3, bias.force = f->tension, bias.strain = 0.06;
+    if (scene_tensile_run(&bias, &curve, message) == YC_OK) {
+        int k = curve.count - 1;
+        report_alone(f->name, "modulus, bias, start", curve.force[1] / curve.strain[1], 1e3, "kN/m");
+        report_alone(f->name, "modulus, bias, 5 %",
+            (curve.force[k] - curve.force[k - 1]) / (curve.strain[k] - curve.strain[k - 1]), 1e3, "kN/m");
+    } else failed(f->name, "modulus, bias", message);
+}
+
+static void report_shear(const yc_fabric *f) {
+    char message[YC_MESSAGE_SIZE];
+    scene_shear_loop loop[2], stiff;
+    yc_weave_desc w = f->weave;
+    if (shear(&w, 0, 1, loop, message) == YC_OK && shear(&w, 1, 1, loop + 1, message) == YC_OK) {
+        report(f->name, "shear stiffness", 0.5 * (loop[0].stiffness + loop[1].stiffness), f->shear, 1.0, "N/m");
+        report(f->name, "shear loop, 2HG", 0.5 * (loop[0].hysteresis + loop[1].hysteresis), f->hysteresis, 1.0, "N/m");
+    } else {
+        failed(f->name, "shear", message);
+        count_goal(f->name, "shear stiffness", 0.0), count_goal(f->name, "shear loop, 2HG", 0.0);
+    }
+    w.warp.slide *= 20.0, w.weft.slide *= 20.0;
+    if (shear(&w, 1, 1, &stiff, message) == YC_OK) {
+        report_alone(f->name, "  G, stiff springs", stiff.stiffness, 1.0, "N/m");
+        report_alone(f->name, "  2HG, stiff springs", stiff.hysteresis, 1.0, "N/m");
+    } else failed(f->name, "  stiff springs", message);
+}
+
+static void report_bending(const yc_fabric *f) {
+    char message[YC_MESSAGE_SIZE];
+    scene_cantilever c;
+    int axis;
+    for (axis = 1; axis >= 0; axis--) {
+        const char *what = axis ? "bending, warp" : "bending, weft";
+        if (cantilever(&f->weave, axis, 1, &c, message) == YC_OK) {
+            report(f->name, what, c.rigidity, f->bending[!axis], 1e-6, "uN m");
+            report_alone(f->name, "  bending length", c.length, 0.01, "cm");
+        } else failed(f->name, what, message), count_goal(f->name, what, 0.0);
+    }
+}
+
+static void report_drape(const yc_fabric *f) {
+    char message[YC_MESSAGE_SIZE], what[64];
+    scene_drape_desc d = scene_drape_desc_default(&f->weave);
+    double mean = sqrt(f->weave.spacing[0] * f->weave.spacing[1]);
+    scene_drape drape;
+    int pass, family;
+    for (family = 0; family < 2; family++) {
+        yc_yarn_material *m = family == YC_WARP ? &d.weave.warp : &d.weave.weft;
+        m->density *= 1.0 + d.weave.crimp[family], m->friction = 0.0, d.weave.crimp[family] = 0.0;
+    }
+    for (pass = quick; pass < 2; pass++) { /* the coarser one counts */
+        d.weave.bundle = (int)((pass ? 6.5e-3 : 4.6e-3) / mean + 0.5);
+        snprintf(what, sizeof what, pass ? "drape coefficient" : "  drape, %d as one", d.weave.bundle);
+        if (scene_drape_run(&d, &drape, message) != YC_OK) {
+            failed(f->name, what, message);
+            if (pass) count_goal(f->name, what, 0.0);
+            continue;
+        }
+        if (pass) report(f->name, what, drape.coefficient, f->drape, 0.01, "%");
+        else report_alone(f->name, what, drape.coefficient, 0.01, "%");
+        say("%-17s  %d yarns as one, %d crossings, %d folds, still moving by %.1g %%\n", f->name, d.weave.bundle,
+            drape.crossings, drape.folds, 100.0 * fabs(drape.drift));
+    }
+}
+
+/* What larger swatches change. */
+static void report_sizes(const yc_fabric *f) {
+    char message[YC_MESSAGE_SIZE];
+    scene_tensile curve[2];
+    scene_shear_loop loop[2];
+    scene_cantilever c[2];
+    if (tensile(&f->weave, 1, 64, 16, 0, f->tension, curve, message) == YC_OK &&
+        tensile(&f->weave, 1, 96, 24, 0, f->tension, curve + 1, message) == YC_OK)
+        say("%-17s  extension, warp, 1.5 times the swatch: x %.3f\n", f->name,
+            scene_tensile_at(curve + 1, f->tension) / scene_tensile_at(curve, f->tension));
+    if (shear(&f->weave, 1, 1, loop, message) == YC_OK && shear(&f->weave, 1, 2, loop + 1, message) == YC_OK)
+        say("%-17s  shear stiffness, twice the swatch: x %.3f\n", f->name, loop[1].stiffness / loop[0].stiffness);
+    if (cantilever(&f->weave, 1, 1, c, message) == YC_OK && cantilever(&f->weave, 1, 4, c + 1, message) == YC_OK)
+        say("%-17s  bending, warp, 4 times as wide: x %.3f\n", f->name, c[1].rigidity / c[0].rigidity);
+}
+
+static void run_fabrics(void) {
+    int name;
+    say("%-17s%-22s%11s  %22s\n", "fabric", "", "simulated", "measured");
+    for (name = YC_FABRIC_SHIRTING; name <= YC_FABRIC_SATIN; name++) {
+        yc_fabric f;
+        if (yc_fabric_get((yc_fabric_name)name, &f) != YC_OK) continue;
+        if (quick && name != YC_FABRIC_SHIRTING && name != YC_FABRIC_SATIN) continue;
+        report(f.name, "mass", yc_weave_material(&f.weave).density, f.mass, 1e-3, "g/m^2");
+        report_tension(&f), report_shear(&f), report_bending(&f), report_drape(&f);
+        if (name == YC_FABRIC_SHIRTING && !quick) report_sizes(&f);
+        say("\n");
+    }
+}
+
+/* ---- weaves ----------------------------------------------------------------------------------------------------- */
+
+static void order_goal(const char *what, const double value[3]) {
+    double first = value[0] / value[1], second = value[1] / value[2];
+    say("%-17splain / twill %.4f, twill / satin %.4f  %s\n", what, first, second,
+        first > 1.0 && second > 1.0 ? "in order" : "not in order");
+    count_goal("weaves", what, first > 1.0 && second > 1.0 ? 1.0 : fmin(first, fmin(second, 0.999)));
+}
+
+static void run_weaves(void) {
+    static const char *const name[] = {"plain", "twill 2/2", "satin 5"};
+    static const double changes[] = {1.0, 0.5, 0.4}; /* of side, per crossing */
+    double stiffness[3], hysteresis[3], rigidity[3];
+    char message[YC_MESSAGE_SIZE];
+    yc_draft draft[3];
+    yc_fabric f;
+    int k;
+    memset(draft, 0, sizeof draft);
+    if (yc_fabric_get(YC_FABRIC_SHIRTING, &f) != YC_OK || yc_draft_plain(NULL, draft, NULL) != YC_OK ||
+        yc_draft_twill(NULL, 2, 2, 'Z', draft + 1, NULL) != YC_OK ||
+        yc_draft_satin(NULL, 5, 2, YC_WARP, draft + 2, NULL) != YC_OK)
+        return;
+    say("%-17s%12s%12s%12s%12s\n", "weave", "G, N/m", "2HG, N/m", "B, uN m", "crimp, %");
+    for (k = 0; k < 3; k++) {
+        yc_weave_desc w = f.weave;
+        scene_shear_loop loop[2];
+        scene_cantilever bend[2];
+        double spacing[2];
+        int axis;
+        memcpy(spacing, w.spacing, sizeof spacing);
+        w.draft = draft[k].over, w.repeat[0] = draft[k].repeat[0], w.repeat[1] = draft[k].repeat[1];
+        w.crimp[0] *= changes[k], w.crimp[1] *= changes[k], w.warp.slide *= 20.0, w.weft.slide *= 20.0;
+        stiffness[k] = hysteresis[k] = rigidity[k] = NAN;
+        for (axis = 0; axis < 2; axis++)
+            if (shear(&w, axis, 1, loop + axis, message) != YC_OK ||
+                cantilever(&w, axis, 1, bend + axis, message) != YC_OK)
+                break;
+        if (axis == 2) {
+            stiffness[k] = 0.5 * (loop[0].stiffness + loop[1].stiffness);
+            hysteresis[k] = 0.5 * (loop[0].hysteresis + loop[1].hysteresis);
+            rigidity[k] = 0.5 * (bend[0].rigidity + bend[1].rigidity);
+        } else failed(name[k], "", message);
+        say("%-17s%12.4g%12.4g%12.4g%12.3g\n", name[k], stiffness[k], hysteresis[k], 1e6 * rigidity[k],
+            100.0 * w.crimp[0]);
+    }
+    order_goal("shear stiffness", stiffness), order_goal("shear loop, 2HG", hysteresis),
+        order_goal("bending", rigidity);
+    for (k = 0; k < 3; k++) yc_draft_destroy(draft + k);
+    say("\n");
+}
+
+/* ---- speed ------------------------------------------------------------------------------------------------------ */
+
+enum { BEFORE = 12, STEPS = 20 }; /* 5 ms each, and 1 ms each, which count */
+
+typedef struct {
+    double microseconds, drop, newton, linear, bytes;
+    int crossings;
+} swing;
+
+static int run_swing(int side, int reference, swing *out) {
+    char message[YC_MESSAGE_SIZE];
+    yc_weave_desc w = yc_weave_desc_default();
+    yc_scene_desc settings = yc_scene_desc_default();
+    scene_sample *s;
+    yc_stats stats;
+    double times[STEPS];
+    yc_result result = YC_OK;
+    int i, k, edge = 0;
+    memset(out, 0, sizeof *out), memset(&stats, 0, sizeof stats);
+    w.spacing[0] = w.spacing[1] = 1e-3, w.size[0] = w.size[1] = side * 1e-3;
+    settings.gravity[1] = 0.0, settings.gravity[2] = -9.81, settings.dt_max = 5e-3;
+    if (reference) settings.tolerance = 1e-8, settings.linear_tolerance = 1e-6;
+    s = scene_sample_new(&w, NULL, &settings, 0, message);
+    if (!s) return 0;
+    for (i = 0; i < s->yarns.node_count; i++)
+        if (s->yarns.layout[i][1] < 1e-9) yc_scene_pin(s->scene, 0, YC_NODE, i, NULL);
+    for (k = 0; k < BEFORE && result == YC_OK; k++) result = yc_scene_step(s->scene, 5e-3, &stats);
+    settings.dt_max = 1e-3;
+    if (result == YC_OK) result = yc_scene_tune(s->scene, &settings);
+    for (k = 0; k < STEPS && result == YC_OK; k++) {
+        double begin = bench_clock();
+        result = yc_scene_step(s->scene, 1e-3, &stats);
+        times[k] = bench_clock() - begin;
+        out->newton += (double)stats.newton / STEPS, out->linear += (double)stats.linear / STEPS;
+    }
+    out->crossings = s->yarns.visit_count - s->yarns.node_count, out->bytes = (double)stats.bytes_peak / out->crossings;
+    if (result == YC_OK) result = yc_scene_positions(s->scene, 0, YC_NODE, s->x);
+    if (result == YC_OK) {
+        out->microseconds = 1e6 * bench_quantile(times, STEPS, 0.5) / out->crossings;
+        for (i = 0; i < s->yarns.node_count; i++)
+            if (s->yarns.layout[i][1] > w.size[1] - 1e-9) out->drop -= s->x[i][2], edge++;
+        out->drop /= edge;
+    } else say("%d crossings: %s\n", out->crossings, yc_scene_message(s->scene));
+    scene_sample_free(s);
+    return result == YC_OK;
+}
+
+static void run_speed(void) {
+    static const int side[] = {71, 141, 283};
+    int k, count = quick ? 2 : 3, done = 0;
+    double exponent;
+    swing own[3], reference;
+    say("%-12s%14s%10s%10s%12s%14s%14s%12s\n", "crossings", "us per step", "Newton", "linear", "bytes each", "drop, mm",
+        "reference", "off");
+    for (k = 0; k < count; k++) {
+        char what[64];
+        if (!run_swing(side[k], 0, own + k)) own[k].microseconds = HUGE_VAL;
+        else done = k;
+        say("%-12d%14.2f%10.1f%10.1f%12.0f%14.5f", own[k].crossings, own[k].microseconds, own[k].newton, own[k].linear,
+            own[k].bytes, 1e3 * own[k].drop);
+        if (k < (quick ? 1 : 2) && run_swing(side[k], 1, &reference))
+            say("%14.5f%11.3f%%", 1e3 * reference.drop, 100.0 * fabs(own[k].drop / reference.drop - 1.0));
+        say("\n");
+        snprintf(what, sizeof what, "us per crossing at %d", own[k].crossings);
+        count_goal("speed", what, 10.0 / own[k].microseconds);
+    }
+    exponent =
+        1.0 + log(own[done].microseconds / own[0].microseconds) / log((double)own[done].crossings / own[0].crossings);
+    say("exponent %.3f\n\n", exponent);
+    count_goal("speed", "exponent", done ? 1.1 / exponent : 0.0);
+}
+
+int main(int argc, char **argv) {
+    int i, parts = 0;
+    for (i = 1; i < argc; i++) {
+        if (!strcmp(argv[i], "--quick")) quick = 1;
+        else
+            parts |= !strcmp(argv[i], "fabrics") ? 1
+                : !strcmp(argv[i], "weaves")     ? 2
+                : !strcmp(argv[i], "speed")      ? 4
+                                                 : 0;
+    }
+    if (!parts) parts = 7;
+    record = fopen("out/bench-woven.txt", "w");
+    say("yarncloth %s, one thread\n\n", yc_version());
+    if (parts & 1) run_fabrics();
+    if (parts & 2) run_weaves();
+    if (parts & 4) run_speed();
+    say("bench-woven: %d of %d goals met, worst %.2f (%s)\n", tally.met, tally.goals, tally.worst, tally.which);
+    if (record) fclose(record);
+    return 0;
+}

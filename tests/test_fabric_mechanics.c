@@ -1,0 +1,157 @@
+/* Woven fabrics in the tests of textile laboratories: what a shirting of the presets does beside what is measured on
+ * real ones, and beside what its yarns alone would do. bench-woven does the same at length. */
+#include "scenes/mechanics.h"
+#include "test.h"
+#include <math.h>
+#include <string.h>
+
+static const double degree = 3.14159265358979323846 / 180.0;
+
+static yc_fabric shirting(void) {
+    yc_fabric f;
+    memset(&f, 0, sizeof f);
+    CHECK_RESULT(yc_fabric_get(YC_FABRIC_SHIRTING, &f), YC_OK);
+    return f;
+}
+
+static int within(double value, const double range[2]) { return value >= range[0] && value <= range[1]; }
+
+/* The instrument itself: a strip whose tip hangs at 41.5 degrees reaches out by two bending lengths (Peirce 1930), a
+ * stiff one sinks by w L^4 / (8 B), and steeper is longer. */
+TEST(fabric_mechanics_elastica) {
+    double stiff = scene_elastica(1e-2);
+    CHECK_NEAR(scene_elastica(41.5 * degree), 2.0, 5e-3);
+    CHECK_NEAR(stiff * stiff * stiff / 8.0, 1e-2, 2e-5);
+    CHECK(scene_elastica(60.0 * degree) > scene_elastica(50.0 * degree) + 0.1);
+}
+
+/* Every fabric of the presets that is woven weighs what is measured on such cloth, as laid and as simulated. */
+TEST(fabric_mechanics_mass) {
+    yc_scene_desc settings = scene_quasistatic();
+    int name;
+    for (name = YC_FABRIC_SHIRTING; name <= YC_FABRIC_SATIN; name++) {
+        yc_fabric f;
+        scene_sample *s;
+        double mass, area;
+        CHECK_RESULT(yc_fabric_get((yc_fabric_name)name, &f), YC_OK);
+        f.weave.size[0] = 40 * f.weave.spacing[0], f.weave.size[1] = 40 * f.weave.spacing[1];
+        area = f.weave.size[0] * f.weave.size[1];
+        s = scene_sample_new(&f.weave, NULL, &settings, 1, NULL);
+        if (!CHECK(s != NULL)) return;
+        CHECK_RESULT(yc_scene_momentum(s->scene, &mass, NULL, NULL), YC_OK);
+        CHECK(within(mass / area, f.mass));
+        /* Half spacings at the ends of yarns have no crimp or half of it. */
+        CHECK_NEAR(mass / area / yc_weave_material(&f.weave).density, 1.0, 3e-3);
+        scene_sample_free(s);
+    }
+}
+
+/* The tensile curve starts soft, where the crimp goes, and its extension is that of real shirtings; without crimp it is
+ * the straight line of the yarns. */
+TEST(fabric_mechanics_tension) {
+    yc_fabric f = shirting();
+    scene_tensile_desc d;
+    scene_tensile curve;
+    double straight = f.weave.warp.stretch / f.weave.spacing[0];
+    int k;
+    memset(&d, 0, sizeof d);
+    d.weave = f.weave, d.axis = 1, d.across = 64, d.along = 16, d.step = 2e-3, d.force = 560.0, d.strain = 0.1;
+    if (!CHECK_RESULT(scene_tensile_run(&d, &curve, NULL), YC_OK)) return;
+    for (k = 2; k < curve.count; k++) /* ever stiffer */
+        CHECK((curve.force[k] - curve.force[k - 1]) / (curve.strain[k] - curve.strain[k - 1]) >
+            (curve.force[k - 1] - curve.force[k - 2]) / (curve.strain[k - 1] - curve.strain[k - 2]));
+    CHECK(within(scene_tensile_at(&curve, f.tension), f.extension));
+    CHECK(curve.force[1] / curve.strain[1] < 0.1 * straight);
+    CHECK(scene_tensile_slope(&curve, f.tension) > 2.5 * curve.force[1] / curve.strain[1]);
+    CHECK(curve.across[curve.count - 1] < -0.005); /* the wefts take up what the warps lose */
+    d.weave.crimp[YC_WARP] = d.weave.crimp[YC_WEFT] = 0.0, d.step = 1e-3;
+    if (!CHECK_RESULT(scene_tensile_run(&d, &curve, NULL), YC_OK)) return;
+    for (k = 1; k < curve.count; k++) CHECK_NEAR(curve.force[k] / curve.strain[k] / straight, 1.0, 0.02);
+}
+
+/* On the bias the yarns turn instead of stretching: a modulus near four times the shear stiffness, far below either
+ * yarn's. */
+TEST(fabric_mechanics_bias) {
+    yc_fabric f = shirting();
+    scene_tensile_desc d;
+    scene_tensile curve;
+    double shear, modulus;
+    f.weave.warp.friction = f.weave.weft.friction = 0.0;
+    shear = yc_weave_material(&f.weave).shear;
+    memset(&d, 0, sizeof d);
+    d.weave = f.weave, d.weave.grain = 45.0 * degree, d.axis = 1, d.across = 12, d.along = 36;
+    d.step = 5e-3, d.force = 1e3, d.strain = 0.01;
+    if (!CHECK_RESULT(scene_tensile_run(&d, &curve, NULL), YC_OK) || !CHECK(curve.count == 3)) return;
+    modulus = curve.force[1] / curve.strain[1];
+    CHECK(modulus > 3.2 * shear && modulus < 4.4 * shear);
+}
+
+/* Shear under tension: stiffness as the weave's material says and as is measured; a loop with friction that is as wide
+ * as is measured once the springs let go within it, none without friction; and it is narrower in a satin of the same
+ * yarns, whose crossings press less. */
+TEST(fabric_mechanics_shear) {
+    yc_fabric f = shirting();
+    scene_shear_desc d;
+    scene_shear_loop loop, satin_loop;
+    yc_draft satin;
+    memset(&d, 0, sizeof d);
+    d.weave = f.weave, d.axis = 0, d.across = d.along = 10, d.tension = 9.81, d.angle = 8.0 * degree, d.steps = 16;
+    d.weave.warp.friction = d.weave.weft.friction = 0.0;
+    if (!CHECK_RESULT(scene_shear_run(&d, &loop, NULL), YC_OK)) return;
+    CHECK(within(loop.stiffness, f.shear));
+    CHECK_NEAR(loop.stiffness / yc_weave_material(&f.weave).shear, 0.93, 0.04); /* less at the border */
+    CHECK_NEAR(loop.hysteresis, 0.0, 1e-3);
+    CHECK_NEAR(loop.work, 0.0, 1e-3);
+    d.weave = f.weave, d.weave.warp.slide *= 20.0, d.weave.weft.slide *= 20.0;
+    if (!CHECK_RESULT(scene_shear_run(&d, &loop, NULL), YC_OK)) return;
+    CHECK(within(loop.stiffness, f.shear));
+    CHECK(within(loop.hysteresis, f.hysteresis));
+    CHECK(loop.work > 0.5 * loop.hysteresis * 4.0 * d.angle / 2.0);
+    if (!CHECK_RESULT(yc_draft_satin(NULL, 5, 2, YC_WARP, &satin, NULL), YC_OK)) return;
+    d.weave.draft = satin.over, d.weave.repeat[0] = satin.repeat[0], d.weave.repeat[1] = satin.repeat[1];
+    d.weave.crimp[0] *= 0.4, d.weave.crimp[1] *= 0.4; /* as high over two crossings of five */
+    if (CHECK_RESULT(scene_shear_run(&d, &satin_loop, NULL), YC_OK))
+        CHECK(satin_loop.hysteresis < 0.95 * loop.hysteresis && satin_loop.hysteresis > 0.5 * loop.hysteresis);
+    yc_draft_destroy(&satin);
+}
+
+/* The cantilever finds the rigidity that the yarns give, less what crimp makes them longer, for strips that reach out
+ * little and far. */
+TEST(fabric_mechanics_bending) {
+    static const double reach[] = {1.4, 2.0, 2.6};
+    yc_fabric f = shirting();
+    scene_cantilever_desc d;
+    scene_cantilever c;
+    int axis, k;
+    memset(&d, 0, sizeof d);
+    d.weave = f.weave, d.across = 2;
+    for (axis = 0; axis < 2; axis++)
+        for (k = 0; k < 3; k++) {
+            const yc_yarn_material *m = axis ? &f.weave.warp : &f.weave.weft;
+            double rigidity = m->bending / f.weave.spacing[!axis];
+            d.axis = axis, d.overhang = reach[k] * cbrt(rigidity / (9.81 * yc_weave_material(&f.weave).density));
+            if (!CHECK_RESULT(scene_cantilever_run(&d, &c, NULL), YC_OK)) return;
+            CHECK(within(c.rigidity, f.bending[!axis]));
+            CHECK_NEAR(c.rigidity / rigidity * (1.0 + f.weave.crimp[!axis]), 1.0, 0.02);
+        }
+}
+
+/* A small disc drapes: in folds, its shadow between the support's and its own; the softer the yarns, the less of it. */
+TEST(fabric_mechanics_drape) {
+    yc_fabric f = shirting();
+    scene_drape_desc d;
+    scene_drape stiff, soft;
+    int family;
+    f.weave.warp.friction = f.weave.weft.friction = 0.0, f.weave.crimp[0] = f.weave.crimp[1] = 0.0;
+    f.weave.bundle = 36;
+    d = scene_drape_desc_default(&f.weave);
+    d.duration = 0.4, d.dt = 0.02;
+    if (!CHECK_RESULT(scene_drape_run(&d, &stiff, NULL), YC_OK)) return;
+    CHECK(stiff.coefficient > 0.3 && stiff.coefficient < 0.8 && stiff.folds >= 3);
+    for (family = 0; family < 2; family++) {
+        yc_yarn_material *m = family ? &d.weave.weft : &d.weave.warp;
+        m->bending *= 0.2, m->shear *= 0.2;
+    }
+    if (!CHECK_RESULT(scene_drape_run(&d, &soft, NULL), YC_OK)) return;
+    CHECK(soft.coefficient < stiff.coefficient - 0.1);
+}
