@@ -8,7 +8,7 @@
  * strip    a strip is drawn by two neighbouring warps in opposite directions: it yields, since they slide (after MIX,
  *          Fig. 7)
  * corner   a patch is drawn at a corner and released: it keeps some of the deformation (after MIX, Fig. 6)
- * Each prints a table and writes out/woven-NAME.png. All are pieces of a shirting, about a centimetre wide, on a table:
+ * Each prints a table and writes out/woven-NAME.png. All are pieces of an open plain weave, about two centimetres wide, on a table:
  * u of the pattern is x, v is -z, and y is up. Weight does not matter at this size and is left out. */
 #include "common/ex_render.h"
 #include "yarncloth.h"
@@ -18,6 +18,7 @@
 #include <string.h>
 
 static const double frame = 5e-3; /* s */
+static const double fuller = 1.9; /* radii as drawn over those that act, to close the weave to the eye */
 
 typedef struct piece {
     yc_weave_desc weave;
@@ -40,15 +41,16 @@ static int worked(piece *p, yc_result result) { return fine(p, result, yc_scene_
 
 /* ---- cloth ---- */
 
-static void piece_weave(piece *p, int warps, int wefts) {
-    yc_fabric fabric;
-    char why[YC_MESSAGE_SIZE] = "no such fabric";
+/* An open plain weave of the default yarn, gripped by preload: the closer and the rougher yarns lie, the more their waves
+ * hold what is drawn through them, up to where it would rather break. */
+static void piece_weave(piece *p, int warps, int wefts, double shear) {
+    char why[YC_MESSAGE_SIZE];
+    yc_yarn_material yarn = yc_yarn_material_default();
     memset(p, 0, sizeof *p);
-    p->ok = 1;
-    if (!fine(p, yc_fabric_get(YC_FABRIC_SHIRTING, &fabric), why)) return;
-    p->weave = fabric.weave;
-    p->weave.crimp[YC_WARP] = p->weave.crimp[YC_WEFT] = 0.0; /* what grips is preload alone */
-    p->weave.warp.strength = p->weave.weft.strength = 0.0; /* nothing breaks here */
+    p->ok = 1, p->weave = yc_weave_desc_default();
+    yarn.friction = 0.2, yarn.preload = 0.02, yarn.shear *= shear;
+    p->weave.warp = p->weave.weft = yarn;
+    p->weave.spacing[0] = p->weave.spacing[1] = 6e-4;
     p->weave.size[0] = warps * p->weave.spacing[0], p->weave.size[1] = wefts * p->weave.spacing[1];
     fine(p, yc_weave(NULL, &p->weave, NULL, &p->yarns, why), why);
 }
@@ -208,7 +210,7 @@ static ex_image *picture_of(piece *p, const view *v, ex_camera *eyes, int keep) 
     int i, k;
     if (!p->ok || !worked(p, yc_scene_network(p->scene, 0, &now))) return NULL;
     memset(&c, 0, sizeof c);
-    desc.steps = 8;
+    desc.steps = 8, desc.offset = fuller;
     if (!fine(p, yc_curves_make(NULL, &now, NULL, &desc, &c, why), why)) return NULL;
     c.first = calloc((size_t)c.curve_count + 1, sizeof *c.first), c.yarn = calloc((size_t)c.curve_count, sizeof(int));
     c.points = calloc((size_t)c.point_count, sizeof *c.points), c.radius = calloc((size_t)c.curve_count, sizeof(float));
@@ -225,7 +227,7 @@ static ex_image *picture_of(piece *p, const view *v, ex_camera *eyes, int keep) 
             for (k = 0; k < p->pulled_count; k++)
                 if (p->pulled[k] == c.yarn[i]) which = 2;
             memcpy(colors[i], colors_of[which], sizeof colors[i]);
-            radii[i] = 1.2 * (double)c.radius[i]; /* drawn fuller than they act: real yarns flatten where they cross */
+            radii[i] = fuller * (double)c.radius[i];
         }
         if (!keep) *eyes = camera_for(v, points, c.point_count, p->weave.size[0]);
         ex_look_default(&look);
@@ -279,23 +281,23 @@ static int hook(piece *p, int weft, int warp, yc_yarns *out, double (**layout)[3
 
 static void snag(piece *p) {
     enum { WARPS = 36, WEFTS = 30, PULL = 50, REST = 40 };
-    static const view v = {900, 640, {0.35, 0.75, 0.95}, 1.25, {0.0, 0.0}};
+    static const view v = {900, 600, {0.3, 0.62, 0.95}, 1.0, {0.0, 0.0}};
     yc_yarns hooked;
-    double(*layout)[3] = NULL, d[3] = {0.0, 0.0, 0.0};
+    double(*layout)[3] = NULL;
     int *nodes = NULL, i, weft = WEFTS / 2, warp = WARPS / 2, loop;
-    piece_weave(p, WARPS, WEFTS);
+    piece_weave(p, WARPS, WEFTS, 1.0);
     if (p->ok && hook(p, weft, warp, &hooked, &layout, &nodes)) {
         loop = hooked.node_count - 1;
         p->pulled[0] = yarn_of(p, YC_WEFT, weft), p->pulled_count = 1;
         piece_start(p, &hooked);
-        hold(p, YC_WARP, 0, WARPS), hold(p, YC_WEFT, 0, weft), hold(p, YC_WEFT, weft + 1, WEFTS);
+        hold(p, YC_WARP, 0, 3), hold(p, YC_WARP, WARPS - 3, WARPS);
         for (i = 1; i <= PULL && p->ok; i++) {
             double at[3];
-            place(p, layout[loop][0], layout[loop][1], 5.0 * p->weave.spacing[0] * i / PULL, at);
+            place(p, layout[loop][0], layout[loop][1], 9.0 * p->weave.spacing[0] * i / PULL, at);
             worked(p, yc_scene_pin(p->scene, 0, YC_NODE, loop, at));
             advance(p, 10, loop);
         }
-        (void)d;
+        draw(p, &v, "snag-taut");
         if (p->ok) worked(p, yc_scene_unpin(p->scene, 0, YC_NODE, loop));
         for (i = 0; i < REST; i++) advance(p, 10, -1);
     }
@@ -308,7 +310,7 @@ static void pullout(piece *p) {
     static const view v = {1100, 640, {0.25, 0.8, 0.9}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
     int i, weft = WEFTS / 2, end;
-    piece_weave(p, WARPS, WEFTS);
+    piece_weave(p, WARPS, WEFTS, 1.0);
     if (!p->ok) return;
     end = node_of(p, YC_WEFT, weft, -1);
     p->pulled[0] = yarn_of(p, YC_WEFT, weft), p->pulled_count = 1;
@@ -328,7 +330,7 @@ static void fray(piece *p) {
     static const view v = {900, 700, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
     int i, end;
-    piece_weave(p, WARPS, WEFTS);
+    piece_weave(p, WARPS, WEFTS, 1.0);
     if (!p->ok) return;
     end = node_of(p, YC_WARP, WARPS - 1, 0);
     p->pulled[0] = yarn_of(p, YC_WARP, WARPS - 1), p->pulled_count = 1;
@@ -347,7 +349,7 @@ static void strip(piece *p) {
     static const view v = {1100, 500, {0.9, 0.8, 0.25}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
     int i, a, b;
-    piece_weave(p, WARPS, WEFTS);
+    piece_weave(p, WARPS, WEFTS, 1.0);
     if (!p->ok) return;
     a = node_of(p, YC_WARP, WARPS / 2, -1), b = node_of(p, YC_WARP, WARPS / 2 - 1, 0);
     p->pulled[0] = yarn_of(p, YC_WARP, WARPS / 2), p->pulled[1] = yarn_of(p, YC_WARP, WARPS / 2 - 1);
@@ -376,12 +378,12 @@ static void clamp(piece *p, int side, const double d[3]) {
 
 static void corner(piece *p) {
     enum { SIDE = 26, PULL = 40, BACK = 60 };
-    static const view v = {620, 620, {0.0, 0.95, 0.5}, 1.0, {0.0, 0.0}};
+    static const view v = {440, 440, {0.0, 0.95, 0.3}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
-    ex_image *before, *after, *both;
+    ex_image *shown[3], *all;
     ex_camera eyes;
     int i;
-    piece_weave(p, SIDE, SIDE);
+    piece_weave(p, SIDE, SIDE, 0.1);
     if (!p->ok) return;
     piece_start(p, &p->yarns);
     for (i = 1; i <= PULL && p->ok; i++) {
@@ -389,15 +391,14 @@ static void corner(piece *p) {
         clamp(p, SIDE, d);
         advance(p, 5, node_of(p, YC_WARP, SIDE - 3, -4));
     }
-    before = picture_of(p, &v, &eyes, 0);
+    shown[1] = picture_of(p, &v, &eyes, 0);
     clamp(p, SIDE, NULL);
     for (i = 0; i < BACK; i++) advance(p, 10, -1);
-    after = picture_of(p, &v, &eyes, 1);
-    both = ex_image_new(2 * v.width, v.height, 255, 255, 255);
-    if (before && after && both) ex_image_paste(both, before, 0, 0), ex_image_paste(both, after, v.width, 0);
-    else fine(p, YC_ERROR_MEMORY, "picture");
-    save(p, both, "corner");
-    ex_image_free(before), ex_image_free(after);
+    shown[2] = picture_of(p, &v, &eyes, 1);
+    all = ex_image_new(2 * v.width, v.height, 255, 255, 255);
+    for (i = 0; i < 2; i++)
+        if (all && shown[i + 1]) ex_image_paste(all, shown[i + 1], i * v.width, 0), ex_image_free(shown[i + 1]);
+    save(p, all, "corner");
 }
 
 int main(int argc, char **argv) {
