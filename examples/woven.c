@@ -43,12 +43,13 @@ static int worked(piece *p, yc_result result) { return fine(p, result, yc_scene_
 
 /* An open plain weave of the default yarn, gripped by preload: the closer and the rougher yarns lie, the more their waves
  * hold what is drawn through them, up to where it would rather break. */
-static void piece_weave(piece *p, int warps, int wefts, double shear) {
+static void piece_weave(piece *p, int warps, int wefts, double preload, double shear) {
     char why[YC_MESSAGE_SIZE];
     yc_yarn_material yarn = yc_yarn_material_default();
     memset(p, 0, sizeof *p);
     p->ok = 1, p->weave = yc_weave_desc_default();
-    yarn.friction = 0.2, yarn.preload = 0.02, yarn.shear *= shear;
+    yarn.friction = 0.2, yarn.preload = preload, yarn.shear *= shear;
+    yarn.slide = yarn.friction * yarn.preload / (0.2 * yarn.radius); /* lets go after a fifth of the radius */
     p->weave.warp = p->weave.weft = yarn;
     p->weave.spacing[0] = p->weave.spacing[1] = 6e-4;
     p->weave.size[0] = warps * p->weave.spacing[0], p->weave.size[1] = wefts * p->weave.spacing[1];
@@ -281,23 +282,23 @@ static int hook(piece *p, int weft, int warp, yc_yarns *out, double (**layout)[3
 
 static void snag(piece *p) {
     enum { WARPS = 36, WEFTS = 30, PULL = 50, REST = 40 };
-    static const view v = {900, 600, {0.3, 0.62, 0.95}, 1.0, {0.0, 0.0}};
+    static const view v = {900, 500, {0.22, 0.55, 0.95}, 1.0, {0.0, 0.0}};
     yc_yarns hooked;
     double(*layout)[3] = NULL;
     int *nodes = NULL, i, weft = WEFTS / 2, warp = WARPS / 2, loop;
-    piece_weave(p, WARPS, WEFTS, 1.0);
+    piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
     if (p->ok && hook(p, weft, warp, &hooked, &layout, &nodes)) {
         loop = hooked.node_count - 1;
         p->pulled[0] = yarn_of(p, YC_WEFT, weft), p->pulled_count = 1;
         piece_start(p, &hooked);
-        hold(p, YC_WARP, 0, 3), hold(p, YC_WARP, WARPS - 3, WARPS);
+        hold(p, YC_WARP, 0, WARPS);
         for (i = 1; i <= PULL && p->ok; i++) {
             double at[3];
-            place(p, layout[loop][0], layout[loop][1], 9.0 * p->weave.spacing[0] * i / PULL, at);
+            place(p, layout[loop][0], layout[loop][1], 6.0 * p->weave.spacing[0] * i / PULL, at);
             worked(p, yc_scene_pin(p->scene, 0, YC_NODE, loop, at));
             advance(p, 10, loop);
         }
-        draw(p, &v, "snag-taut");
+        draw(p, &v, "hooked");
         if (p->ok) worked(p, yc_scene_unpin(p->scene, 0, YC_NODE, loop));
         for (i = 0; i < REST; i++) advance(p, 10, -1);
     }
@@ -307,17 +308,17 @@ static void snag(piece *p) {
 
 static void pullout(piece *p) {
     enum { WARPS = 30, WEFTS = 24, PULL = 60 };
-    static const view v = {1100, 640, {0.25, 0.8, 0.9}, 1.0, {0.0, 0.0}};
+    static const view v = {1000, 480, {0.2, 0.7, 0.9}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
     int i, weft = WEFTS / 2, end;
-    piece_weave(p, WARPS, WEFTS, 1.0);
+    piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
     if (!p->ok) return;
     end = node_of(p, YC_WEFT, weft, -1);
     p->pulled[0] = yarn_of(p, YC_WEFT, weft), p->pulled_count = 1;
     piece_start(p, &p->yarns);
     hold(p, YC_WARP, 0, WARPS);
     for (i = 1; i <= PULL && p->ok; i++) {
-        d[0] = 0.7 * p->weave.size[0] * i / PULL, d[1] = 0.1 * d[0];
+        d[0] = 0.6 * p->weave.size[0] * i / PULL, d[1] = 0.1 * d[0];
         draw_to(p, end, d);
         advance(p, 6, end);
     }
@@ -330,14 +331,14 @@ static void fray(piece *p) {
     static const view v = {900, 700, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
     int i, end;
-    piece_weave(p, WARPS, WEFTS, 1.0);
+    piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
     if (!p->ok) return;
     end = node_of(p, YC_WARP, WARPS - 1, 0);
     p->pulled[0] = yarn_of(p, YC_WARP, WARPS - 1), p->pulled_count = 1;
     piece_start(p, &p->yarns);
     for (i = 0; i < WEFTS; i++) draw_to(p, node_of(p, YC_WEFT, i, 0), d);
     for (i = 1; i <= PULL && p->ok; i++) {
-        d[0] = 0.5 * p->weave.size[0] * i / PULL, d[1] = 0.15 * d[0];
+        d[0] = 0.5 * p->weave.size[0] * i / PULL;
         draw_to(p, end, d);
         advance(p, 6, end);
     }
@@ -349,7 +350,7 @@ static void strip(piece *p) {
     static const view v = {1100, 500, {0.9, 0.8, 0.25}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
     int i, a, b;
-    piece_weave(p, WARPS, WEFTS, 1.0);
+    piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
     if (!p->ok) return;
     a = node_of(p, YC_WARP, WARPS / 2, -1), b = node_of(p, YC_WARP, WARPS / 2 - 1, 0);
     p->pulled[0] = yarn_of(p, YC_WARP, WARPS / 2), p->pulled[1] = yarn_of(p, YC_WARP, WARPS / 2 - 1);
@@ -366,6 +367,20 @@ static void strip(piece *p) {
 }
 
 /* Moves the 3 x 3 crossings at two opposite corners apart along the diagonal; d NULL: lets the second go. */
+static double diagonal(piece *p, int side) {
+    double(*x)[3], length = 0.0;
+    yc_yarns now;
+    if (!p->ok || !worked(p, yc_scene_network(p->scene, 0, &now))) return 0.0;
+    x = calloc((size_t)now.node_count, sizeof *x);
+    if (!x) fine(p, YC_ERROR_MEMORY, "positions");
+    else if (worked(p, yc_scene_positions(p->scene, 0, YC_NODE, x))) {
+        const double *a = x[node_of(p, YC_WARP, 0, 1)], *b = x[node_of(p, YC_WARP, side - 1, -2)];
+        length = sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+    }
+    free(x);
+    return length;
+}
+
 static void clamp(piece *p, int side, const double d[3]) {
     static const double nowhere[3] = {0.0, 0.0, 0.0};
     int i, k;
@@ -378,23 +393,28 @@ static void clamp(piece *p, int side, const double d[3]) {
 
 static void corner(piece *p) {
     enum { SIDE = 26, PULL = 40, BACK = 60 };
-    static const view v = {440, 440, {0.0, 0.95, 0.3}, 1.0, {0.0, 0.0}};
+    static const view v = {520, 520, {0.0, 0.95, 0.1}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
     ex_image *shown[3], *all;
     ex_camera eyes;
+    double length[3];
     int i;
-    piece_weave(p, SIDE, SIDE, 0.1);
+    piece_weave(p, SIDE, SIDE, 0.05, 0.1);
     if (!p->ok) return;
     piece_start(p, &p->yarns);
+    length[0] = diagonal(p, SIDE);
     for (i = 1; i <= PULL && p->ok; i++) {
-        d[0] = 0.15 * p->weave.size[0] * i / PULL, d[2] = -d[0];
+        d[0] = 0.2 * p->weave.size[0] * i / PULL, d[2] = -d[0];
         clamp(p, SIDE, d);
         advance(p, 5, node_of(p, YC_WARP, SIDE - 3, -4));
     }
-    shown[1] = picture_of(p, &v, &eyes, 0);
+    length[1] = diagonal(p, SIDE), shown[1] = picture_of(p, &v, &eyes, 0);
     clamp(p, SIDE, NULL);
     for (i = 0; i < BACK; i++) advance(p, 10, -1);
-    shown[2] = picture_of(p, &v, &eyes, 1);
+    length[2] = diagonal(p, SIDE), shown[2] = picture_of(p, &v, &eyes, 1);
+    if (p->ok)
+        printf("  diagonal %.2f mm, drawn to %.2f mm, released %.2f mm\n", 1e3 * length[0], 1e3 * length[1],
+            1e3 * length[2]);
     all = ex_image_new(2 * v.width, v.height, 255, 255, 255);
     for (i = 0; i < 2; i++)
         if (all && shown[i + 1]) ex_image_paste(all, shown[i + 1], i * v.width, 0), ex_image_free(shown[i + 1]);
