@@ -4,7 +4,7 @@
  *
  * snag     a weft is hooked, drawn out of the cloth as a loop, and let go: the line that it leaves stays
  * pullout  a weft is drawn out by its end
- * fray     warps are peeled off a cut edge
+ * fray     the outermost warp is peeled off a cut edge
  * strip    a strip is drawn by two neighbouring warps in opposite directions: it yields, since they slide (after MIX,
  *          Fig. 7)
  * corner   a patch is drawn at a corner and released: it keeps some of the deformation (after MIX, Fig. 6)
@@ -153,8 +153,8 @@ static void advance(piece *p, int row, int node) {
 
 typedef struct view {
     int width, height;
-    double from[3]; /* towards the camera */
-    double zoom;    /* 1: all yarns just fit */
+    double from[3];  /* towards the camera */
+    double zoom;     /* 1: all yarns just fit */
     double shift[2]; /* of what is in the middle, to the right and up, in cloth widths */
 } view;
 
@@ -236,8 +236,8 @@ static ex_image *picture_of(piece *p, const view *v, ex_camera *eyes, int keep) 
         look.ground = 1, look.ground_y = low - radii[0];
         ex_thread_cotton(&thread);
         picture = ex_render_begin(v->width, v->height, eyes, &look);
-        ex_render_tubes(picture, (const double(*)[3])points, c.first, c.curve_count, radii, (const double(*)[3])colors,
-            &thread);
+        ex_render_tubes(
+            picture, (const double(*)[3])points, c.first, c.curve_count, radii, (const double(*)[3])colors, &thread);
         image = ex_render_finish(picture);
         if (!image) fine(p, YC_ERROR_MEMORY, "picture");
     }
@@ -282,7 +282,7 @@ static int hook(piece *p, int weft, int warp, yc_yarns *out, double (**layout)[3
 
 static void snag(piece *p) {
     enum { WARPS = 36, WEFTS = 30, PULL = 50, REST = 40 };
-    static const view v = {900, 500, {0.22, 0.55, 0.95}, 1.0, {0.0, 0.0}};
+    static const view v = {900, 500, {0.12, 0.62, 0.95}, 1.14, {0.0, 0.0}};
     yc_yarns hooked;
     double(*layout)[3] = NULL;
     int *nodes = NULL, i, weft = WEFTS / 2, warp = WARPS / 2, loop;
@@ -325,7 +325,6 @@ static void pullout(piece *p) {
     draw(p, &v, "pullout");
 }
 
-/* The second warp is peeled from one end, after the outermost has come off. */
 static void fray(piece *p) {
     enum { WARPS = 24, WEFTS = 24, PULL = 60 };
     static const view v = {900, 700, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}};
@@ -336,9 +335,9 @@ static void fray(piece *p) {
     end = node_of(p, YC_WARP, WARPS - 1, 0);
     p->pulled[0] = yarn_of(p, YC_WARP, WARPS - 1), p->pulled_count = 1;
     piece_start(p, &p->yarns);
-    for (i = 0; i < WEFTS; i++) draw_to(p, node_of(p, YC_WEFT, i, 0), d);
+    hold(p, YC_WARP, 0, WARPS - 2);
     for (i = 1; i <= PULL && p->ok; i++) {
-        d[0] = 0.5 * p->weave.size[0] * i / PULL;
+        d[0] = 0.35 * p->weave.size[0] * i / PULL, d[1] = 0.1 * d[0], d[2] = -0.2 * d[0];
         draw_to(p, end, d);
         advance(p, 6, end);
     }
