@@ -8,8 +8,9 @@
  * strip    a strip is drawn by two neighbouring warps in opposite directions: it yields, since they slide (after MIX,
  *          Fig. 7)
  * corner   a patch is drawn at a corner and released: it keeps some of the deformation (after MIX, Fig. 6)
- * Each prints a table and writes out/woven-NAME.png. All are pieces of an open plain weave, about two centimetres wide, on a table:
- * u of the pattern is x, v is -z, and y is up. Weight does not matter at this size and is left out. */
+ * Each prints a table and writes out/woven-NAME.png; snag also out/woven-hooked.png, before it is let go. All are pieces
+ * of an open plain weave, about two centimetres wide, on a table: u of the pattern is x, v is -z, and y is up. Weight
+ * does not matter at this size and is left out. */
 #include "common/ex_render.h"
 #include "yarncloth.h"
 #include <math.h>
@@ -23,7 +24,6 @@ static const double fuller = 1.9; /* radii as drawn over those that act, to clos
 typedef struct piece {
     yc_weave_desc weave;
     yc_yarns yarns; /* as woven */
-    int spare;      /* a node for what is hooked */
     yc_scene *scene;
     int ok, frames, events[5], substeps, newton;
     int pulled[4], pulled_count; /* yarns in the third colour */
@@ -41,8 +41,8 @@ static int worked(piece *p, yc_result result) { return fine(p, result, yc_scene_
 
 /* ---- cloth ---- */
 
-/* An open plain weave of the default yarn, gripped by preload: the closer and the rougher yarns lie, the more their waves
- * hold what is drawn through them, up to where it would rather break. */
+/* An open plain weave of the default yarn, gripped by preload: the closer and the rougher yarns lie, the more their
+ * waves hold what is drawn through them, up to where it would rather break. */
 static void piece_weave(piece *p, int warps, int wefts, double preload, double shear) {
     char why[YC_MESSAGE_SIZE];
     yc_yarn_material yarn = yc_yarn_material_default();
@@ -394,7 +394,7 @@ static void corner(piece *p) {
     enum { SIDE = 26, PULL = 40, BACK = 60 };
     static const view v = {520, 520, {0.0, 0.95, 0.1}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
-    ex_image *shown[3], *all;
+    ex_image *shown[2], *all;
     ex_camera eyes;
     double length[3];
     int i;
@@ -407,16 +407,19 @@ static void corner(piece *p) {
         clamp(p, SIDE, d);
         advance(p, 5, node_of(p, YC_WARP, SIDE - 3, -4));
     }
-    length[1] = diagonal(p, SIDE), shown[1] = picture_of(p, &v, &eyes, 0);
+    length[1] = diagonal(p, SIDE), shown[0] = picture_of(p, &v, &eyes, 0);
     clamp(p, SIDE, NULL);
     for (i = 0; i < BACK; i++) advance(p, 10, -1);
-    length[2] = diagonal(p, SIDE), shown[2] = picture_of(p, &v, &eyes, 1);
+    length[2] = diagonal(p, SIDE), shown[1] = picture_of(p, &v, &eyes, 1);
     if (p->ok)
         printf("  diagonal %.2f mm, drawn to %.2f mm, released %.2f mm\n", 1e3 * length[0], 1e3 * length[1],
             1e3 * length[2]);
     all = ex_image_new(2 * v.width, v.height, 255, 255, 255);
-    for (i = 0; i < 2; i++)
-        if (all && shown[i + 1]) ex_image_paste(all, shown[i + 1], i * v.width, 0), ex_image_free(shown[i + 1]);
+    if (!all) fine(p, YC_ERROR_MEMORY, "picture");
+    for (i = 0; i < 2; i++) {
+        if (all && shown[i]) ex_image_paste(all, shown[i], i * v.width, 0);
+        ex_image_free(shown[i]);
+    }
     save(p, all, "corner");
 }
 
