@@ -8,7 +8,7 @@
  * strip    a strip is drawn by two neighbouring warps in opposite directions: it yields, since they slide (after MIX,
  *          Fig. 7)
  * corner   a patch is drawn at a corner and released: it keeps some of the deformation (after MIX, Fig. 6)
- * Each prints a table and writes out/woven-NAME.png; snag also out/woven-hooked.png, before it is let go. All are pieces
+ * Each prints a table and writes out/woven-NAME.png; snag also woven-hooked.png, before it is let go. All are pieces
  * of an open plain weave, about two centimetres wide, on a table: u of the pattern is x, v is -z, and y is up. Weight
  * does not matter at this size and is left out. */
 #include "common/ex_render.h"
