@@ -1,5 +1,6 @@
-# GNU make. `make run` simulates and draws a garment, `make hello` the smallest program, `make test` the tests,
-# `make check` the scripts of tests/check. Only a C compiler and libm are needed for the first three.
+# GNU make. `make run` simulates and draws a garment, `make woven` yarns that slide, `make hello` the smallest program,
+# `make test` the tests, `make check` the scripts of tests/check. Only a C compiler and libm are needed for all but the
+# last.
 
 CFLAGS ?= -O2
 STANDARD := -std=c99 -Wall -Wextra -pedantic -Wconversion -Wshadow
@@ -16,12 +17,17 @@ TEST_SOURCES := $(sort $(wildcard tests/*.c))
 BENCHES := $(patsubst tests/bench/%.c,bench-%,$(sort $(wildcard tests/bench/*.c)))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/%,$(sort $(wildcard examples/*.c)))
 
-.PHONY: run hello examples test check sanitize $(BENCHES) format clean FORCE
+.PHONY: run woven hello examples test check sanitize $(BENCHES) format clean FORCE
 
 # make run SCENE=name ARGS="..." hands both to the program; without them it shows its default.
 run: $(BUILD)/garment
 	@mkdir -p out
 	$(BUILD)/garment $(SCENE) $(ARGS)
+
+# Cloth that lets its yarns go; make woven SCENE=snag draws one of the scenes.
+woven: $(BUILD)/woven
+	@mkdir -p out
+	$(BUILD)/woven $(SCENE)
 
 hello: $(BUILD)/hello
 	$(BUILD)/hello

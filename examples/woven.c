@@ -1,0 +1,444 @@
+/* Cloth that lets its yarns go, drawn yarn by yarn.
+ *
+ *     woven [snag|pullout|fray|strip|corner]      all of them without a name
+ *
+ * snag     a weft is hooked, drawn out of the cloth as a loop, and let go: the line that it leaves stays
+ * pullout  a weft is drawn out by its end
+ * fray     the outermost warp is peeled off a cut edge
+ * strip    a strip is drawn by two neighbouring warps in opposite directions: it yields, since they slide (after MIX,
+ *          Fig. 7)
+ * corner   a patch is drawn at a corner and released: it keeps some of the deformation (after MIX, Fig. 6)
+ * Each prints a table and writes out/woven-NAME.png; snag also woven-hooked.png, before it is let go. All are pieces
+ * of an open plain weave, about two centimetres wide, on a table: u of the pattern is x, v is -z, and y is up. Weight
+ * does not matter at this size and is left out. */
+#include "common/ex_render.h"
+#include "yarncloth.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double frame = 5e-3; /* s */
+static const double fuller = 1.9; /* radii as drawn over those that act, to close the weave to the eye */
+
+typedef struct piece {
+    yc_weave_desc weave;
+    yc_yarns yarns; /* as woven */
+    yc_scene *scene;
+    int ok, frames, events[5], substeps, newton;
+    int pulled[4], pulled_count; /* yarns in the third colour */
+} piece;
+
+static const char *event_names[5] = {"released", "merged", "split", "broken", "loose"};
+
+/* The first failure is told, later calls do nothing. */
+static int fine(piece *p, yc_result result, const char *why) {
+    if (p->ok && result != YC_OK) fprintf(stderr, "woven: %s: %s\n", yc_result_name(result), why), p->ok = 0;
+    return p->ok;
+}
+
+static int worked(piece *p, yc_result result) { return fine(p, result, yc_scene_message(p->scene)); }
+
+/* ---- cloth ---- */
+
+/* An open plain weave of the default yarn, gripped by preload: the closer and the rougher yarns lie, the more their
+ * waves hold what is drawn through them, up to where it would rather break. */
+static void piece_weave(piece *p, int warps, int wefts, double preload, double shear) {
+    char why[YC_MESSAGE_SIZE];
+    yc_yarn_material yarn = yc_yarn_material_default();
+    memset(p, 0, sizeof *p);
+    p->ok = 1, p->weave = yc_weave_desc_default();
+    yarn.friction = 0.2, yarn.preload = preload, yarn.shear *= shear;
+    yarn.slide = yarn.friction * yarn.preload / (0.2 * yarn.radius); /* lets go after a fifth of the radius */
+    p->weave.warp = p->weave.weft = yarn;
+    p->weave.spacing[0] = p->weave.spacing[1] = 6e-4;
+    p->weave.size[0] = warps * p->weave.spacing[0], p->weave.size[1] = wefts * p->weave.spacing[1];
+    fine(p, yc_weave(NULL, &p->weave, NULL, &p->yarns, why), why);
+}
+
+static void piece_free(piece *p) {
+    yc_scene_destroy(p->scene);
+    yc_yarns_destroy(&p->yarns);
+}
+
+/* Where a point of the pattern lies on the table. */
+static void place(const piece *p, double u, double v, double height, double out[3]) {
+    out[0] = u - 0.5 * p->weave.size[0], out[1] = height, out[2] = 0.5 * p->weave.size[1] - v;
+}
+
+static void piece_start(piece *p, const yc_yarns *yarns) {
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    double(*x)[3] = calloc(p->ok ? (size_t)yarns->node_count : 1, sizeof *x);
+    char why[YC_MESSAGE_SIZE] = "";
+    int i;
+    if (!x) fine(p, YC_ERROR_MEMORY, "positions");
+    for (i = 0; p->ok && i < yarns->node_count; i++) place(p, yarns->layout[i][0], yarns->layout[i][1], 0.0, x[i]);
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    settings.mass_damping = 20.0;
+    cloth.yarns = yarns, cloth.yarn_positions = (const double(*)[3])x;
+    if (p->ok) fine(p, yc_scene_create(NULL, &settings, &p->scene, why), why);
+    if (p->ok) worked(p, yc_scene_add_cloth(p->scene, &cloth, NULL));
+    free(x);
+}
+
+/* The k-th yarn of a family, its visit from the start, or from the end where `visit` is negative: a node. */
+static int yarn_of(const piece *p, int family, int k) {
+    int i;
+    for (i = 0; i < p->yarns.yarn_count; i++)
+        if (p->yarns.yarn_family[i] == family && k-- == 0) return i;
+    return 0;
+}
+
+static int visit_of(const piece *p, int yarn, int visit) {
+    return visit < 0 ? p->yarns.yarn_first[yarn + 1] + visit : p->yarns.yarn_first[yarn] + visit;
+}
+
+static int node_of(const piece *p, int family, int k, int visit) {
+    return p->yarns.visit_node[visit_of(p, yarn_of(p, family, k), visit)];
+}
+
+/* Draws a node to where it was woven, moved by d; NULL: lets it go. */
+static void draw_to(piece *p, int node, const double d[3]) {
+    double at[3];
+    int k;
+    if (!p->ok) return;
+    if (!d) {
+        worked(p, yc_scene_unpin(p->scene, 0, YC_NODE, node));
+        return;
+    }
+    place(p, p->yarns.layout[node][0], p->yarns.layout[node][1], 0.0, at);
+    for (k = 0; k < 3; k++) at[k] += d[k];
+    worked(p, yc_scene_pin(p->scene, 0, YC_NODE, node, at));
+}
+
+/* Holds both ends of yarns from .. to - 1 of a family where they are. */
+static void hold(piece *p, int family, int from, int to) {
+    static const double nowhere[3] = {0.0, 0.0, 0.0};
+    for (; from < to; from++)
+        draw_to(p, node_of(p, family, from, 0), nowhere), draw_to(p, node_of(p, family, from, -1), nowhere);
+}
+
+static double force_at(piece *p, int node) {
+    double f[3] = {0.0, 0.0, 0.0};
+    if (p->ok) worked(p, yc_scene_pin_force(p->scene, 0, YC_NODE, node, f));
+    return sqrt(f[0] * f[0] + f[1] * f[1] + f[2] * f[2]);
+}
+
+/* One frame; every `row`-th ends a row of the table. node < 0: no force. */
+static void advance(piece *p, int row, int node) {
+    yc_stats s;
+    const yc_event *e;
+    int i, count;
+    if (!p->ok || !worked(p, yc_scene_step(p->scene, frame, &s))) return;
+    if (!p->frames++) {
+        printf("  nodes %d, unknowns %d, solver %s\n", s.full_nodes, s.dofs,
+            s.solver == YC_SOLVER_DIRECT ? "direct" : "two-level");
+        printf("  time, ms   Newton per sub-step   residual, N   force, mN");
+        for (i = 0; i < 5; i++) printf("%10s", event_names[i]);
+        printf("\n");
+    }
+    p->substeps += s.substeps, p->newton += s.newton;
+    e = yc_scene_events(p->scene, &count);
+    for (i = 0; i < count; i++) p->events[e[i].type]++;
+    if (p->frames % row) return;
+    printf("  %8.0f   %19.1f   %11.1e   %9.2f", 1e3 * yc_scene_time(p->scene), (double)p->newton / p->substeps,
+        s.residual, node < 0 ? 0.0 : 1e3 * force_at(p, node));
+    for (i = 0; i < 5; i++) printf("%10d", p->events[i]);
+    printf("\n");
+    p->newton = p->substeps = 0;
+}
+
+/* ---- pictures ---- */
+
+typedef struct view {
+    int width, height;
+    double from[3];  /* towards the camera */
+    double zoom;     /* 1: all yarns just fit */
+    double shift[2]; /* of what is in the middle, to the right and up, in cloth widths */
+} view;
+
+/* sRGB of warp, weft and the yarn that is drawn out. */
+static const double colors_of[3][3] = {{0.20, 0.33, 0.56}, {0.93, 0.91, 0.87}, {0.80, 0.27, 0.17}};
+
+/* Stands so far off that all points are in the picture, in its middle. */
+static ex_camera camera_for(const view *v, double (*points)[3], int count, double width) {
+    ex_camera c;
+    double axes[3][3], slope[2], low[2], high[2], size, distance = 0.1;
+    int i, k, round;
+    memset(&c, 0, sizeof c);
+    c.up[1] = 1.0, c.fov = 24.0;
+    slope[1] = tan(c.fov * 3.14159265358979 / 360.0), slope[0] = slope[1] * v->width / v->height;
+    size = sqrt(v->from[0] * v->from[0] + v->from[1] * v->from[1] + v->from[2] * v->from[2]);
+    for (k = 0; k < 3; k++) axes[2][k] = v->from[k] / size;
+    size = hypot(axes[2][0], axes[2][2]);
+    axes[0][0] = axes[2][2] / size, axes[0][1] = 0.0, axes[0][2] = -axes[2][0] / size;
+    axes[1][0] = axes[2][1] * axes[0][2], axes[1][1] = axes[2][2] * axes[0][0] - axes[2][0] * axes[0][2],
+    axes[1][2] = -axes[2][1] * axes[0][0];
+    for (round = 0; round < 8; round++) {
+        double widest = 0.0;
+        low[0] = low[1] = HUGE_VAL, high[0] = high[1] = -HUGE_VAL;
+        for (i = 0; i < count; i++) {
+            double q[3] = {0.0, 0.0, 0.0};
+            for (k = 0; k < 9; k++) q[k / 3] += axes[k / 3][k % 3] * (points[i][k % 3] - c.target[k % 3]);
+            for (k = 0; k < 2; k++) {
+                double s = q[k] / (distance - q[2]) / slope[k];
+                low[k] = fmin(low[k], s), high[k] = fmax(high[k], s);
+            }
+        }
+        for (k = 0; k < 3; k++)
+            c.target[k] += 0.5 * distance *
+                ((low[0] + high[0]) * slope[0] * axes[0][k] + (low[1] + high[1]) * slope[1] * axes[1][k]);
+        for (k = 0; k < 2; k++) widest = fmax(widest, 0.5 * (high[k] - low[k]));
+        distance *= widest / 0.94;
+    }
+    for (k = 0; k < 3; k++) c.target[k] += width * (v->shift[0] * axes[0][k] + v->shift[1] * axes[1][k]);
+    for (k = 0; k < 3; k++) c.eye[k] = c.target[k] + axes[2][k] * distance / v->zoom;
+    return c;
+}
+
+/* The yarns as they are now, from where `eyes` stands, or, where that is NULL, from where `v` says. */
+static ex_image *picture_of(piece *p, const view *v, ex_camera *eyes, int keep) {
+    yc_curve_desc desc = yc_curve_desc_default();
+    yc_curves c;
+    yc_yarns now;
+    ex_thread thread;
+    ex_look look;
+    ex_scene *picture;
+    ex_image *image = NULL;
+    double(*nodes)[3], (*points)[3], (*colors)[3], *radii, low = HUGE_VAL;
+    char why[YC_MESSAGE_SIZE];
+    int i, k;
+    if (!p->ok || !worked(p, yc_scene_network(p->scene, 0, &now))) return NULL;
+    memset(&c, 0, sizeof c);
+    desc.steps = 8, desc.offset = fuller;
+    if (!fine(p, yc_curves_make(NULL, &now, NULL, &desc, &c, why), why)) return NULL;
+    c.first = calloc((size_t)c.curve_count + 1, sizeof *c.first), c.yarn = calloc((size_t)c.curve_count, sizeof(int));
+    c.points = calloc((size_t)c.point_count, sizeof *c.points), c.radius = calloc((size_t)c.curve_count, sizeof(float));
+    nodes = calloc((size_t)now.node_count, sizeof *nodes), points = calloc((size_t)c.point_count, sizeof *points);
+    colors = calloc((size_t)c.curve_count, sizeof *colors), radii = calloc((size_t)c.curve_count, sizeof *radii);
+    if (!c.first || !c.yarn || !c.points || !c.radius || !nodes || !points || !colors || !radii)
+        fine(p, YC_ERROR_MEMORY, "curves");
+    if (p->ok) worked(p, yc_scene_positions(p->scene, 0, YC_NODE, nodes));
+    if (p->ok && fine(p, yc_curves_make(NULL, &now, (const double(*)[3])nodes, &desc, &c, why), why)) {
+        for (i = 0; i < 3 * c.point_count; i++) points[i / 3][i % 3] = (double)c.points[i / 3][i % 3];
+        for (i = 0; i < c.point_count; i++) low = fmin(low, points[i][1]);
+        for (i = 0; i < c.curve_count; i++) {
+            int which = now.yarn_family[c.yarn[i]] == YC_WEFT;
+            for (k = 0; k < p->pulled_count; k++)
+                if (p->pulled[k] == c.yarn[i]) which = 2;
+            memcpy(colors[i], colors_of[which], sizeof colors[i]);
+            radii[i] = fuller * (double)c.radius[i];
+        }
+        if (!keep) *eyes = camera_for(v, points, c.point_count, p->weave.size[0]);
+        ex_look_default(&look);
+        look.ao_radius = 4.0 * radii[0], look.ao_strength = 1.6, look.samples = 3;
+        look.ground = 1, look.ground_y = low - radii[0];
+        ex_thread_cotton(&thread);
+        picture = ex_render_begin(v->width, v->height, eyes, &look);
+        ex_render_tubes(
+            picture, (const double(*)[3])points, c.first, c.curve_count, radii, (const double(*)[3])colors, &thread);
+        image = ex_render_finish(picture);
+        if (!image) fine(p, YC_ERROR_MEMORY, "picture");
+    }
+    free(c.first), free(c.yarn), free(c.points), free(c.radius), free(nodes), free(points), free(colors), free(radii);
+    return image;
+}
+
+static void save(piece *p, ex_image *image, const char *name) {
+    char path[64];
+    snprintf(path, sizeof path, "out/woven-%s.png", name);
+    if (p->ok && !ex_image_write_png(image, path)) fine(p, YC_ERROR_ARGUMENT, path);
+    if (p->ok) printf("  %s\n", path);
+    ex_image_free(image);
+}
+
+static void draw(piece *p, const view *v, const char *name) {
+    ex_camera eyes;
+    save(p, picture_of(p, v, &eyes, 0), name);
+}
+
+/* ---- scenes ---- */
+
+/* A copy of the network in which one weft passes free above one warp: there both have a node of their own, and the new
+ * one, the last, is the weft's. */
+static int hook(piece *p, int weft, int warp, yc_yarns *out, double (**layout)[3], int **nodes) {
+    const yc_yarns *y = &p->yarns;
+    int yarn = yarn_of(p, YC_WEFT, weft), visit = visit_of(p, yarn, warp + 1), node, i;
+    *layout = calloc((size_t)y->node_count + 1, sizeof **layout);
+    *nodes = calloc((size_t)y->visit_count, sizeof **nodes);
+    if (!*layout || !*nodes) return fine(p, YC_ERROR_MEMORY, "network");
+    memcpy(*layout, y->layout, (size_t)y->node_count * sizeof **layout);
+    memcpy(*nodes, y->visit_node, (size_t)y->visit_count * sizeof **nodes);
+    node = y->visit_node[visit];
+    memcpy((*layout)[y->node_count], y->layout[node], sizeof **layout);
+    for (i = 0; i < y->visit_count; i++)
+        if (y->visit_node[i] == node) y->visit_layer[i] = 0, y->visit_held[i] = 1;
+    (*nodes)[visit] = y->node_count;
+    *out = *y;
+    out->node_count++, out->layout = *layout, out->visit_node = *nodes;
+    return p->ok;
+}
+
+static void snag(piece *p) {
+    enum { WARPS = 36, WEFTS = 30, PULL = 50, REST = 40 };
+    static const view v = {900, 500, {0.12, 0.62, 0.95}, 1.14, {0.0, 0.0}};
+    yc_yarns hooked;
+    double(*layout)[3] = NULL;
+    int *nodes = NULL, i, weft = WEFTS / 2, warp = WARPS / 2, loop;
+    piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
+    if (p->ok && hook(p, weft, warp, &hooked, &layout, &nodes)) {
+        loop = hooked.node_count - 1;
+        p->pulled[0] = yarn_of(p, YC_WEFT, weft), p->pulled_count = 1;
+        piece_start(p, &hooked);
+        hold(p, YC_WARP, 0, WARPS);
+        for (i = 1; i <= PULL && p->ok; i++) {
+            double at[3];
+            place(p, layout[loop][0], layout[loop][1], 6.0 * p->weave.spacing[0] * i / PULL, at);
+            worked(p, yc_scene_pin(p->scene, 0, YC_NODE, loop, at));
+            advance(p, 10, loop);
+        }
+        draw(p, &v, "hooked");
+        if (p->ok) worked(p, yc_scene_unpin(p->scene, 0, YC_NODE, loop));
+        for (i = 0; i < REST; i++) advance(p, 10, -1);
+    }
+    draw(p, &v, "snag");
+    free(layout), free(nodes);
+}
+
+static void pullout(piece *p) {
+    enum { WARPS = 30, WEFTS = 24, PULL = 60 };
+    static const view v = {1000, 480, {0.2, 0.7, 0.9}, 1.0, {0.0, 0.0}};
+    double d[3] = {0.0, 0.0, 0.0};
+    int i, weft = WEFTS / 2, end;
+    piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
+    if (!p->ok) return;
+    end = node_of(p, YC_WEFT, weft, -1);
+    p->pulled[0] = yarn_of(p, YC_WEFT, weft), p->pulled_count = 1;
+    piece_start(p, &p->yarns);
+    hold(p, YC_WARP, 0, WARPS);
+    for (i = 1; i <= PULL && p->ok; i++) {
+        d[0] = 0.6 * p->weave.size[0] * i / PULL, d[1] = 0.1 * d[0];
+        draw_to(p, end, d);
+        advance(p, 6, end);
+    }
+    draw(p, &v, "pullout");
+}
+
+static void fray(piece *p) {
+    enum { WARPS = 24, WEFTS = 24, PULL = 60 };
+    static const view v = {900, 700, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}};
+    double d[3] = {0.0, 0.0, 0.0};
+    int i, end;
+    piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
+    if (!p->ok) return;
+    end = node_of(p, YC_WARP, WARPS - 1, 0);
+    p->pulled[0] = yarn_of(p, YC_WARP, WARPS - 1), p->pulled_count = 1;
+    piece_start(p, &p->yarns);
+    hold(p, YC_WARP, 0, WARPS - 2);
+    for (i = 1; i <= PULL && p->ok; i++) {
+        d[0] = 0.35 * p->weave.size[0] * i / PULL, d[1] = 0.1 * d[0], d[2] = -0.2 * d[0];
+        draw_to(p, end, d);
+        advance(p, 6, end);
+    }
+    draw(p, &v, "fray");
+}
+
+static void strip(piece *p) {
+    enum { WARPS = 10, WEFTS = 40, PULL = 50 };
+    static const view v = {1100, 500, {0.9, 0.8, 0.25}, 1.0, {0.0, 0.0}};
+    double d[3] = {0.0, 0.0, 0.0};
+    int i, a, b;
+    piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
+    if (!p->ok) return;
+    a = node_of(p, YC_WARP, WARPS / 2, -1), b = node_of(p, YC_WARP, WARPS / 2 - 1, 0);
+    p->pulled[0] = yarn_of(p, YC_WARP, WARPS / 2), p->pulled[1] = yarn_of(p, YC_WARP, WARPS / 2 - 1);
+    p->pulled_count = 2;
+    piece_start(p, &p->yarns);
+    for (i = 1; i <= PULL && p->ok; i++) {
+        d[2] = -0.15 * p->weave.size[1] * i / PULL;
+        draw_to(p, a, d);
+        d[2] = -d[2];
+        draw_to(p, b, d);
+        advance(p, 5, a);
+    }
+    draw(p, &v, "strip");
+}
+
+/* Moves the 3 x 3 crossings at two opposite corners apart along the diagonal; d NULL: lets the second go. */
+static double diagonal(piece *p, int side) {
+    double(*x)[3], length = 0.0;
+    yc_yarns now;
+    if (!p->ok || !worked(p, yc_scene_network(p->scene, 0, &now))) return 0.0;
+    x = calloc((size_t)now.node_count, sizeof *x);
+    if (!x) fine(p, YC_ERROR_MEMORY, "positions");
+    else if (worked(p, yc_scene_positions(p->scene, 0, YC_NODE, x))) {
+        const double *a = x[node_of(p, YC_WARP, 0, 1)], *b = x[node_of(p, YC_WARP, side - 1, -2)];
+        length = sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+    }
+    free(x);
+    return length;
+}
+
+static void clamp(piece *p, int side, const double d[3]) {
+    static const double nowhere[3] = {0.0, 0.0, 0.0};
+    int i, k;
+    for (i = 0; i < 3; i++)
+        for (k = 0; k < 3; k++) {
+            draw_to(p, node_of(p, YC_WARP, i, k + 1), nowhere);
+            draw_to(p, node_of(p, YC_WARP, side - 1 - i, -2 - k), d);
+        }
+}
+
+static void corner(piece *p) {
+    enum { SIDE = 26, PULL = 40, BACK = 60 };
+    static const view v = {520, 520, {0.0, 0.95, 0.1}, 1.0, {0.0, 0.0}};
+    double d[3] = {0.0, 0.0, 0.0};
+    ex_image *shown[2], *all;
+    ex_camera eyes;
+    double length[3];
+    int i;
+    piece_weave(p, SIDE, SIDE, 0.05, 0.1);
+    if (!p->ok) return;
+    piece_start(p, &p->yarns);
+    length[0] = diagonal(p, SIDE);
+    for (i = 1; i <= PULL && p->ok; i++) {
+        d[0] = 0.2 * p->weave.size[0] * i / PULL, d[2] = -d[0];
+        clamp(p, SIDE, d);
+        advance(p, 5, node_of(p, YC_WARP, SIDE - 3, -4));
+    }
+    length[1] = diagonal(p, SIDE), shown[0] = picture_of(p, &v, &eyes, 0);
+    clamp(p, SIDE, NULL);
+    for (i = 0; i < BACK; i++) advance(p, 10, -1);
+    length[2] = diagonal(p, SIDE), shown[1] = picture_of(p, &v, &eyes, 1);
+    if (p->ok)
+        printf("  diagonal %.2f mm, drawn to %.2f mm, released %.2f mm\n", 1e3 * length[0], 1e3 * length[1],
+            1e3 * length[2]);
+    all = ex_image_new(2 * v.width, v.height, 255, 255, 255);
+    if (!all) fine(p, YC_ERROR_MEMORY, "picture");
+    for (i = 0; i < 2; i++) {
+        if (all && shown[i]) ex_image_paste(all, shown[i], i * v.width, 0);
+        ex_image_free(shown[i]);
+    }
+    save(p, all, "corner");
+}
+
+int main(int argc, char **argv) {
+    static const struct {
+        const char *name;
+        void (*run)(piece *);
+    } scenes[] = {{"snag", snag}, {"pullout", pullout}, {"fray", fray}, {"strip", strip}, {"corner", corner}};
+    enum { SCENES = sizeof scenes / sizeof *scenes };
+    int i, found = 0, ok = 1;
+    for (i = 0; i < SCENES; i++) {
+        piece p;
+        if (argc > 1 && strcmp(argv[1], scenes[i].name)) continue;
+        found = 1;
+        printf("%s\n", scenes[i].name);
+        scenes[i].run(&p);
+        ok = p.ok && ok;
+        piece_free(&p);
+    }
+    if (!found) fprintf(stderr, "usage: woven [snag|pullout|fray|strip|corner]\n");
+    return found ? !ok : 2;
+}
