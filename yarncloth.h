@@ -11313,10 +11313,11 @@ typedef struct yci_seam {
 enum { YCI_IDLE, YCI_TRIANGLE, YCI_FULL, YCI_HYBRID };
 
 /* Elements. Weights are alpha or 1 - alpha, already multiplied into stiffness where there is one; `previous` is the
- * strain at the step's start; tension and stress are those that Newton's last direction predicted. */
+ * strain at the step's start; tension and stress are those that Newton's last direction predicted; `floor` is the
+ * distance below which a segment with crimp no longer stands up. */
 typedef struct yci_segment {
     int a, b;
-    double stretch, density, previous, tension;
+    double stretch, density, previous, tension, floor;
 } yci_segment; /* a, b, c: visits */
 typedef struct yci_bend {
     int a, b, c;
@@ -11402,6 +11403,7 @@ typedef struct yci_local {
 
 #define YCI_CHUNK 256         /* elements evaluated at once before their serial, ordered addition */
 #define YCI_DIRECT_LIMIT 2000 /* full yarn nodes that are solved for directly */
+#define YCI_HARDNESS 1e-3     /* of the floor under lengths, times EA */
 #define YCI_NET_NODES 9       /* yarn nodes per cell of a coarse net: 25 take twice the iterations at 5 ms */
 #define YCI_PATIENCE 3        /* Newton iterations without a lower E before line searches begin */
 #define YCI_JAM_WIDTH 0.05    /* rad, over which shear jamming rises to its full stiffness */
@@ -12195,6 +12197,7 @@ static int yci_build_segment(const yci_build *b, int yarn, int a) {
         if (!e) return 0;
         e->a = b->cloth->visit + a, e->b = e->a + 1;
         e->stretch = alpha * material->stretch, e->density = alpha * material->density, e->previous = 0.0;
+        e->floor = 0.1 * (b->yarns->visit_u[a + 1] - b->yarns->visit_u[a]);
     }
     if (alpha < 1.0 && b->yarns->triangle) {
         int full_a = b->m->role[b->cloth->node + b->yarns->visit_node[a]] == YCI_FULL;
@@ -12263,7 +12266,7 @@ static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *cros
             alpha = yci_raise(0.5 * (yci_build_share(b, a) + yci_build_share(b, a + 1)));
             e->a = base, e->b = base + 1, e->stiffness = parallel ? alpha * material->contact : 0.0;
             e->distance = yci_min(touching, 0.9 * rest);
-            e->hardness = alpha * 1e-3 * material->stretch, e->floor = 0.2 * rest;
+            e->hardness = alpha * YCI_HARDNESS * material->stretch, e->floor = 0.2 * rest;
         }
     }
     return 1;
@@ -12952,6 +12955,21 @@ static void yci_local_visits(const yc_scene *s, yci_local *out, double *q, int c
     yci_local_slide(s, out, q, count - 1, visit[count - 1]);
 }
 
+/* A segment with crimp is as long upright as flat, and a short end of yarn in a deep wave would stand up until its nodes
+ * meet, where no angle has a direction. The floor, here of their distance, keeps them apart. */
+static void yci_eval_upright(const yci_segment *e, const double *q, int mode, yci_local *out) {
+    double d[3], ends[2] = {0.0, 0.0}, g[2], h[4];
+    yci_sub(d, q + 3, q);
+    ends[1] = yci_normalize(d, d);
+    out->energy += yci_yarn_floor(ends, YCI_HARDNESS * e->stretch, e->floor, g, h);
+    for (int i = 0; i < 6 && mode; i++) {
+        double sign = i < 3 ? -1.0 : 1.0;
+        out->g[i] += sign * g[1] * d[i % 3];
+        for (int j = 0; j < 6 && mode == YCI_HESSIAN; j++)
+            out->h[out->dofs * i + j] += (i / 3 == j / 3 ? 1.0 : -1.0) * h[3] * d[i % 3] * d[j % 3];
+    }
+}
+
 /* The part of a vector of the system's size that belongs to the element; NULL is zero. */
 static void yci_local_direction(const yci_model *m, const yci_local *e, const double *direction, double *dq) {
     int i;
@@ -13076,6 +13094,7 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         if (kind != YCI_GRAVITY)
             out->energy += out->dofs > 8 ? yci_yarn_crimp(q, e->stretch, m->rate, e->previous, &e->tension, g, h, 1)
                                          : yci_yarn_stretch(q, e->stretch, m->rate, e->previous, &e->tension, g, h, 1);
+        if (kind != YCI_GRAVITY && out->dofs > 8) yci_eval_upright(e, q, mode, out);
         if (kind != YCI_STRETCH)
             out->energy += yci_yarn_gravity(q, e->density, s->desc.gravity, g ? weight : NULL, NULL, 1);
         for (k = 0; g && k < 8; k++) g[k] += weight[k];
