@@ -28,7 +28,7 @@ scene_sample *scene_sample_new(
     result = yc_weave(NULL, weave, mesh, &s->yarns, message);
     if (result == YC_OK) result = yc_scene_create(NULL, settings, &s->scene, message);
     if (result == YC_OK) {
-        cloth.yarns = &s->yarns, cloth.hold_sliding = hold_sliding;
+        cloth.yarns = &s->yarns, cloth.hold_sliding = hold_sliding, cloth.hold_network = 1;
         result = yc_scene_add_cloth(s->scene, &cloth, NULL);
         if (result != YC_OK && message)
             memcpy(message, yc_scene_message(s->scene), strlen(yc_scene_message(s->scene)) + 1);

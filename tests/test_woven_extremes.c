@@ -1,0 +1,217 @@
+/* A swatch of yarns alone through wide ranges of its inputs: pulled by its ends, brought together so that it folds under
+ * gravity, let go. Every case has to converge to its tolerance; a table says what that took. And the tensile test at
+ * three time steps. */
+#include "scenes/scenes.h"
+#include "test.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* ---- one case ------------------------------------------------------------------------------------------------- */
+
+typedef struct swatch {
+    yc_weave_desc weave;
+    yc_yarns yarns;
+    yc_scene *scene;
+} swatch;
+
+/* 10 x 10 crossings. Straight yarns 2.5 mm apart; with crimp, where heights must fit the radius, 0.3 mm. */
+static yc_weave_desc weave_of(int crimped) {
+    yc_weave_desc d = yc_weave_desc_default();
+    d.spacing[0] = d.spacing[1] = crimped ? 3e-4 : 2.5e-3;
+    d.crimp[0] = crimped ? 0.06 : 0.0, d.crimp[1] = crimped ? 0.04 : 0.0;
+    return d;
+}
+
+static int swatch_new(swatch *w, const yc_weave_desc *weave, const yc_scene_desc *settings) {
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    char why[YC_MESSAGE_SIZE];
+    memset(w, 0, sizeof *w);
+    w->weave = *weave;
+    w->weave.size[0] = 10.0 * weave->spacing[0], w->weave.size[1] = 10.0 * weave->spacing[1];
+    cloth.yarns = &w->yarns;
+    return CHECK_RESULT(yc_weave(NULL, &w->weave, NULL, &w->yarns, why), YC_OK) &&
+        CHECK_RESULT(yc_scene_create(NULL, settings, &w->scene, why), YC_OK) &&
+        CHECK_RESULT(yc_scene_add_cloth(w->scene, &cloth, NULL), YC_OK);
+}
+
+static void swatch_free(swatch *w) { yc_scene_destroy(w->scene), yc_yarns_destroy(&w->yarns); }
+
+/* -1 at the yarn ends at u = 0, 1 at those opposite, 0 elsewhere. */
+static int side_of(const swatch *w, int node) {
+    double u = w->yarns.layout[node][0], width = w->weave.size[0];
+    return u < 1e-6 * width ? -1 : u > (1.0 - 1e-6) * width ? 1 : 0;
+}
+
+static void draw(swatch *w, double strain) {
+    int i;
+    for (i = 0; i < w->yarns.node_count; i++) {
+        double to[3];
+        memcpy(to, w->yarns.layout[i], sizeof to);
+        to[0] += side_of(w, i) * 0.5 * strain * w->weave.size[0];
+        if (side_of(w, i)) CHECK_RESULT(yc_scene_pin(w->scene, 0, YC_NODE, i, to), YC_OK);
+    }
+}
+
+static int is_finite(const swatch *w) {
+    yc_yarns now; /* it may have changed */
+    int i, k, finite = yc_scene_network(w->scene, 0, &now) == YC_OK;
+    double(*x)[3] = (double(*)[3])malloc((size_t)now.node_count * sizeof *x);
+    finite = finite && x && yc_scene_positions(w->scene, 0, YC_NODE, x) == YC_OK;
+    for (i = 0; finite && i < now.node_count; i++)
+        for (k = 0; k < 3; k++) finite = finite && fabs(x[i][k]) < 1e3;
+    free(x);
+    return finite;
+}
+
+/* What a group of cases took; worst is Newton iterations a sub-step, the mean over a step. */
+typedef struct effort {
+    int cases, substeps, newton, rejected;
+    double worst;
+} effort;
+
+/* To 4 %, together by 10 %, and one side let go, in steps of dt. */
+static void run_case(const yc_weave_desc *weave, double dt, effort *sum) {
+    yc_scene_desc settings = yc_scene_desc_default();
+    swatch w;
+    yc_stats stats;
+    int i, step, substeps = 0, rejected = 0;
+    settings.gravity[1] = 0.0, settings.gravity[2] = -9.81;
+    settings.dt_max = dt, settings.tolerance = 4e-3 * weave->spacing[0]; /* the default at 2.5 mm */
+    for (step = swatch_new(&w, weave, &settings) ? 0 : 30; step < 30; step++) {
+        if (step < 12) draw(&w, 0.04 * (step + 1) / 12.0);
+        else if (step < 24) draw(&w, 0.04 - 0.14 * (step - 11) / 12.0);
+        for (i = 0; step == 24 && i < w.yarns.node_count; i++)
+            if (side_of(&w, i) > 0) CHECK_RESULT(yc_scene_unpin(w.scene, 0, YC_NODE, i), YC_OK);
+        if (!CHECK_RESULT(yc_scene_step(w.scene, dt, &stats), YC_OK)) break;
+        CHECK(stats.correction <= settings.tolerance && stats.unfinished == 0);
+        substeps += stats.substeps, rejected += stats.rejected;
+        sum->newton += stats.newton, sum->worst = fmax(sum->worst, (double)stats.newton / stats.substeps);
+    }
+    CHECK(is_finite(&w));
+    CHECK(rejected <= substeps);
+    sum->cases++, sum->substeps += substeps, sum->rejected += rejected;
+    swatch_free(&w);
+}
+
+/* ---- ranges --------------------------------------------------------------------------------------------------- */
+
+typedef enum group {
+    STRETCH,
+    BENDING,
+    SHEAR,
+    CONTACT,
+    SLIDE,
+    ALL_STIFFNESS,
+    RADIUS,
+    RADIUS_ALONE,
+    FRICTION,
+    FRICTION_PRELOAD,
+    TIME_STEP,
+    GROUPS
+} group;
+
+#define MOST_VALUES 5
+static const struct range {
+    const char *name;
+    int count;
+    double value[MOST_VALUES];
+} ranges[GROUPS] = {
+    {"stretch, times the preset", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
+    {"bending, times the preset", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
+    {"shear, times the preset", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
+    {"contact, times the preset", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
+    {"slide, times the preset", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
+    {"all five of them", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
+    {"radius, m, spacing with it", 4, {1e-5, 1e-4, 1e-3, 1e-2, 0.0}},
+    {"radius, m, alone", 4, {1e-5, 1e-4, 1e-3, 1e-2, 0.0}},
+    {"friction", 4, {0.0, 0.3, 1.0, 2.0, 0.0}},
+    {"friction, preload 20 mN", 4, {0.0, 0.3, 1.0, 2.0, 0.0}},
+    {"time step, s", 5, {1e-6, 1e-4, 1e-3, 5e-3, 0.1}},
+};
+
+static void run_value(group g, int crimped, double value, effort *sum) {
+    yc_weave_desc d = weave_of(crimped);
+    yc_yarn_material *m = &d.warp;
+    int all = g == ALL_STIFFNESS;
+    if (g == STRETCH || all) m->stretch *= value;
+    if (g == BENDING || all) m->bending *= value, m->crimp_bending *= value;
+    if (g == SHEAR || all) m->shear *= value;
+    if (g == CONTACT || all) m->contact *= value;
+    if (g == SLIDE || all) m->slide *= value;
+    if (g == RADIUS) d.spacing[0] = d.spacing[1] = d.spacing[0] * value / m->radius;
+    if (g == RADIUS || g == RADIUS_ALONE) m->radius = value;
+    if (g == FRICTION || g == FRICTION_PRELOAD) m->friction = value;
+    if (g == FRICTION_PRELOAD) m->preload = 0.02;
+    d.weft = d.warp;
+    run_case(&d, g == TIME_STEP ? value : 5e-3, sum);
+}
+
+static void run_ranges(int crimped) {
+    int g, i;
+    printf("   %-27s %-17s  Newton a sub-step: mean, worst  rejected of sub-steps\n",
+        crimped ? "with crimp" : "without crimp", "range");
+    for (g = 0; g < GROUPS; g++) {
+        const struct range *r = ranges + g;
+        effort sum;
+        memset(&sum, 0, sizeof sum);
+        for (i = 0; i < r->count; i++) run_value((group)g, crimped, r->value[i], &sum);
+        printf("   %-27s %7.0e .. %-7.0e  %23.1f %6.1f  %8d of %d\n", r->name, r->value[0], r->value[r->count - 1],
+            (double)sum.newton / sum.substeps, sum.worst, sum.rejected, sum.substeps);
+    }
+}
+
+TEST(woven_extremes_straight) { run_ranges(0); }
+TEST(woven_extremes_crimped) { run_ranges(1); }
+
+/* What lies outside is refused in words. */
+TEST(woven_extremes_outside) {
+    double outside[3] = {-1.0, NAN, HUGE_VAL};
+    int i, k;
+    for (k = 0; k < 6; k++)
+        for (i = 0; i < 3; i++) {
+            yc_weave_desc d = weave_of(0);
+            double *field[6];
+            char why[YC_MESSAGE_SIZE] = "";
+            yc_yarns y;
+            field[0] = &d.warp.stretch, field[1] = &d.warp.bending, field[2] = &d.warp.shear, field[3] = &d.warp.slide;
+            field[4] = &d.warp.radius, field[5] = &d.warp.friction;
+            *field[k] = outside[i];
+            CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, why), YC_ERROR_ARGUMENT);
+            CHECK(strlen(why) > 10);
+        }
+}
+
+/* ---- the time step -------------------------------------------------------------------------------------------- */
+
+/* Drawn to 3 % in 50 ms and held for as long: the force on one side, N. */
+static double tensile_force(int crimped, double dt) {
+    yc_weave_desc d = weave_of(crimped);
+    yc_scene_desc settings = yc_scene_desc_default();
+    swatch w;
+    double force = 0.0, f[3];
+    int i, step, steps = (int)(0.05 / dt + 0.5);
+    settings.dt_max = dt, settings.tolerance = 1e-8, settings.mass_damping = 100.0;
+    for (step = swatch_new(&w, &d, &settings) ? 1 : 2 * steps; step <= 2 * steps; step++) {
+        if (step <= steps) draw(&w, 0.03 * step / steps);
+        if (!CHECK_RESULT(yc_scene_step(w.scene, dt, NULL), YC_OK)) break;
+    }
+    for (i = 0; i < w.yarns.node_count; i++)
+        if (side_of(&w, i) > 0 && CHECK_RESULT(yc_scene_pin_force(w.scene, 0, YC_NODE, i, f), YC_OK)) force += f[0];
+    swatch_free(&w);
+    return force;
+}
+
+TEST(woven_extremes_same_tension_at_any_step) {
+    static const double dt[3] = {1e-4, 1e-3, 5e-3};
+    double force[3];
+    int crimped, i;
+    for (crimped = 0; crimped < 2; crimped++) {
+        for (i = 0; i < 3; i++) force[i] = tensile_force(crimped, dt[i]);
+        printf("   tensile test, crimp %d: %.5g, %.5g, %.5g N at 0.1, 1, 5 ms a step\n", crimped, force[0], force[1],
+            force[2]);
+        CHECK(force[0] > 0.0);
+        for (i = 1; i < 3; i++) CHECK_NEAR(force[i] / force[0], 1.0, 0.01);
+    }
+}
