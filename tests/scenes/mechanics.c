@@ -13,7 +13,7 @@ static const double tiny = 1e-9; /* m, to tell where a node of the layout lies *
 yc_scene_desc scene_quasistatic(void) {
     yc_scene_desc d = yc_scene_desc_preset(YC_REFERENCE);
     memset(d.gravity, 0, sizeof d.gravity);
-    d.dt_max = 1e3, d.dt_min = 1e-3, d.mass_damping = 1.0, d.tolerance = 1e-10, d.newton_limit = 200;
+    d.dt_max = 1e3, d.dt_min = 250.0, d.mass_damping = 1.0, d.tolerance = 1e-10, d.newton_limit = 200;
     return d;
 }
 
