@@ -26,8 +26,9 @@
  *
  * Speed. A square of plain weave of 1 mm, held by one edge, swings down from the horizontal, 1 ms a step, default
  * settings, after 60 ms in steps of 5 ms. Microseconds of processor time, on one thread, per crossing and step, the
- * median of 20 steps; the exponent is that of the time by crossings from the smallest to the largest. The drop of the free edge
- * is set beside a run to a tolerance of 1e-8 m and a linear one of 1e-6, where that is short. Goals: 10 us, and 1.1. */
+ * median of 20 steps; the exponent is that of the time by crossings from the smallest to the largest. The drop of the
+ * free edge is set beside a run to a tolerance of 1e-8 m and a linear one of 1e-6, but for the largest. Goals: 10 us,
+ * and 1.1. */
 #define _POSIX_C_SOURCE 200809L /* NOLINT(bugprone-reserved-identifier): what POSIX prescribes */
 #include "bench.h"
 #include "../scenes/mechanics.h"

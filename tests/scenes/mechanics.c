@@ -313,6 +313,10 @@ static double shadow(const scene_sample *s, const scene_drape_desc *d, int *fold
         if (hypot(at[0], at[1]) < d->radius * cos(pi / DISC) - tiny) continue;
         c[n].way = atan2(at[1], at[0]), c[n].x = s->x[node][0], c[n++].y = s->x[node][1];
     }
+    if (n < 3) {
+        free(c);
+        return NAN;
+    }
     qsort(c, (size_t)n, sizeof *c, by_way);
     for (i = 0; i < n; i++) {
         const corner *p = c + i, *q = c + (i + 1) % n;
