@@ -156,7 +156,7 @@ static void report_shear(const yc_fabric *f) {
     char message[YC_MESSAGE_SIZE];
     scene_shear_loop loop[2], stiff;
     yc_weave_desc w = f->weave;
-    /* Whole repeats. Smaller, the border makes it soft; larger, a swatch of denim buckles. */
+    /* Whole repeats. Smaller, the border makes it soft; larger, a swatch of denim comes near buckling. */
     int n = repeat_of(&w) == 5 ? 10 : 12;
     if (shear(&w, 0, n, loop, message) == YC_OK && shear(&w, 1, n, loop + 1, message) == YC_OK) {
         report(f->name, "shear stiffness", 0.5 * (loop[0].stiffness + loop[1].stiffness), f->shear, 1.0, "N/m");
