@@ -61,7 +61,8 @@ TEST(fabric_mechanics_tension) {
         CHECK((curve.force[k] - curve.force[k - 1]) / (curve.strain[k] - curve.strain[k - 1]) >
             (curve.force[k - 1] - curve.force[k - 2]) / (curve.strain[k - 1] - curve.strain[k - 2]));
     CHECK(within(scene_tensile_at(&curve, f.tension), f.extension));
-    CHECK(curve.force[1] / curve.strain[1] < 0.1 * straight);
+    /* What bends the crimp gives the start. */
+    CHECK(curve.force[1] / curve.strain[1] > 0.05 * straight && curve.force[1] / curve.strain[1] < 0.1 * straight);
     CHECK(scene_tensile_slope(&curve, f.tension) > 2.5 * curve.force[1] / curve.strain[1]);
     CHECK(curve.across[curve.count - 1] < -0.005); /* the wefts take up what the warps lose */
     d.weave.crimp[YC_WARP] = d.weave.crimp[YC_WEFT] = 0.0, d.step = 1e-3;

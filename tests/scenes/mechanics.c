@@ -13,7 +13,7 @@ static const double tiny = 1e-9; /* m, to tell where a node of the layout lies *
 yc_scene_desc scene_quasistatic(void) {
     yc_scene_desc d = yc_scene_desc_preset(YC_REFERENCE);
     memset(d.gravity, 0, sizeof d.gravity);
-    d.dt_max = 1e3, d.dt_min = 1e-3, d.mass_damping = 1.0, d.tolerance = 1e-10, d.newton_limit = 200;
+    d.dt_max = 1e3, d.dt_min = 250.0, d.mass_damping = 1.0, d.tolerance = 1e-10, d.newton_limit = 200;
     return d;
 }
 
@@ -312,6 +312,10 @@ static double shadow(const scene_sample *s, const scene_drape_desc *d, int *fold
         const double *at = y->layout[node];
         if (hypot(at[0], at[1]) < d->radius * cos(pi / DISC) - tiny) continue;
         c[n].way = atan2(at[1], at[0]), c[n].x = s->x[node][0], c[n++].y = s->x[node][1];
+    }
+    if (n < 3) {
+        free(c);
+        return NAN;
     }
     qsort(c, (size_t)n, sizeof *c, by_way);
     for (i = 0; i < n; i++) {
