@@ -12972,8 +12972,8 @@ static void yci_local_visits(const yc_scene *s, yci_local *out, double *q, int c
     yci_local_slide(s, out, q, count - 1, visit[count - 1]);
 }
 
-/* A segment with crimp is as long upright as flat, and a short end of yarn in a deep wave would stand up until its nodes
- * meet, where no angle has a direction. The floor, here of their distance, keeps them apart. */
+/* A segment with crimp is as long upright as flat, and a short end of yarn in a deep wave would stand up until its
+ * nodes meet, where no angle has a direction. The floor, here of their distance, keeps them apart. */
 static void yci_eval_upright(const yci_segment *e, const double *q, int mode, yci_local *out) {
     double d[3], ends[2] = {0.0, 0.0}, g[2], h[4];
     yci_sub(d, q + 3, q);
