@@ -11330,8 +11330,9 @@ typedef struct yci_seam {
 enum { YCI_IDLE, YCI_TRIANGLE, YCI_FULL, YCI_HYBRID };
 
 /* Elements. Weights are alpha or 1 - alpha, already multiplied into stiffness where there is one; `previous` is the
- * strain at the step's start; tension and stress are those that Newton's last direction predicted; `share` of its limit is what friction
- * had by them, 0 without; `floor` is the distance below which a segment with crimp no longer stands up. */
+ * strain at the step's start; tension, stress and what share of its limit friction has (0: none is known) are those
+ * that Newton's last direction predicted; `floor` is the distance below which a segment with crimp no longer stands up.
+ */
 typedef struct yci_segment {
     int a, b;
     double stretch, density, previous, tension, floor;
