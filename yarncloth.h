@@ -8712,6 +8712,21 @@ YC_FN double yci_yarn_friction(double u, double anchor, double k, double limit, 
     return slips ? limit * (fabs(s) - 0.5 * limit / k) : 0.5 * k * s * s;
 }
 
+/* The share of its limit, -1 to 1, that friction has after the step du, by the linear model in which share and s are
+ * unknowns of their own, share |s| = s where it slips (Chan, Golub and Mulet 1999); `share` is that before. */
+YC_FN double yci_yarn_friction_predict(double u, double anchor, double du, double k, double limit, double share) {
+    double s = u - anchor, sign = s < 0.0 ? -1.0 : 1.0;
+    if (limit <= 0.0) return 0.0;
+    if (k * fabs(s) <= limit) return yci_clamp(k * (s + du) / limit, -1.0, 1.0);
+    return yci_clamp(sign + (1.0 - share * sign) / fabs(s) * du, -1.0, 1.0);
+}
+
+/* The factor on the projected second derivative that belongs to a share: 1 at 0. */
+YC_FN double yci_yarn_friction_factor(double u, double anchor, double k, double limit, double share) {
+    double s = u - anchor;
+    return k * fabs(s) <= limit ? 1.0 : 1.0 - (s < 0.0 ? -share : share);
+}
+
 /* The anchor after an accepted step: it follows a slipping yarn so that |u - anchor| <= limit/k. */
 YC_FN double yci_yarn_friction_anchor(double u, double anchor, double k, double limit) {
     if (k * fabs(u - anchor) <= limit) return anchor;
@@ -11309,9 +11324,11 @@ static yc_result yci_system_factor(yci_system *s) {
  * transverse stiffness T/l, whose T is the one that the last linear step predicted (the mixed form of Trusty, Kaufman
  * and Levin 2022; the stress of triangles likewise), and but for the rows of u, where the strain is T/k instead of
  * l/du - 1: what a pin has just stretched then does not push the crossing next to it along the yarn, a way that costs
- * nothing, by its whole energy. Whole steps are taken, whatever E does on the way; when the lowest E has stood for some
- * iterations, line searches with the plain Hessian do the rest from there. Measured on a 4 cm flap
- * of 1,600 crossings that swings down at 5 ms a step: 2.8 iterations a step, 14.6 with line searches alone.
+ * nothing, by its whole energy. Friction that slips is treated alike, the share of its limit being the unknown; line
+ * searches take the parabola. Whole steps are taken, whatever E does on the way; when the lowest E has stood for some
+ * iterations, line searches with the plain Hessian do the rest from there. Measured on a 4 cm flap of 1,600 crossings
+ * that swings down at 5 ms a step: 2.8 iterations a step, 14.6 with line searches alone; on a yarn drawn over posts 6
+ * instead of 73 with the parabola throughout.
  *
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
@@ -11353,8 +11370,9 @@ typedef struct yci_seam {
 enum { YCI_IDLE, YCI_TRIANGLE, YCI_FULL, YCI_HYBRID };
 
 /* Elements. Weights are alpha or 1 - alpha, already multiplied into stiffness where there is one; `previous` is the
- * strain at the step's start; tension and stress are those that Newton's last direction predicted; `floor` is the
- * distance below which a segment with crimp no longer stands up. */
+ * strain at the step's start; tension, stress and what share of its limit friction has (0: none is known) are those
+ * that Newton's last direction predicted; `floor` is the distance below which a segment with crimp no longer stands up.
+ */
 typedef struct yci_segment {
     int a, b;
     double stretch, density, previous, tension, floor;
@@ -11383,7 +11401,7 @@ typedef struct yci_adjacent {
 } yci_adjacent;
 typedef struct yci_slide {
     int visit, rub; /* -1: none */
-    double stiffness;
+    double stiffness, share;
 } yci_slide;
 /* A crossing with friction, by numbers of its cloth's network; limit = mu lambda. */
 typedef struct yci_rub {
@@ -13315,6 +13333,9 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         out->node[0] = s->visit_node[e->visit];
         yci_local_slide(s, out, q, 0, e->visit);
         out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, yci_rub_limit(m, e->rub), g, h, 1);
+        if (h)
+            h[0] *=
+                yci_yarn_friction_factor(q[0], s->anchor[e->visit], e->stiffness, yci_rub_limit(m, e->rub), e->share);
         break;
     }
     case YCI_FACE: {
@@ -13733,8 +13754,8 @@ static yc_result yci_line_search(yc_scene *s, double energy, double scale, doubl
         energy, m->slope);
 }
 
-/* The tension of segments and the stress of triangles after `share` of the direction, by the linear model; with the
- * direction NULL those of the state. */
+/* The tension of segments, the stress of triangles and the friction of sliding after `share` of the direction, by the
+ * linear model; with the direction NULL tension and stress of the state. */
 static void yci_predict(yc_scene *s, const double *direction, double share) {
     yci_model *m = s->model;
     yci_local local;
@@ -13747,6 +13768,13 @@ static void yci_predict(yc_scene *s, const double *direction, double share) {
         tension = local.dofs > 8 ? yci_yarn_crimp_predict(q, dq, e->stretch, m->rate, e->previous)
                                  : yci_yarn_stretch_predict(q, dq, e->stretch, m->rate, e->previous);
         e->tension += share * (tension - e->tension);
+    }
+    for (i = 0; i < m->slide_count; i++) {
+        yci_slide *e = m->slide + i;
+        double du = direction ? direction[yci_dof_of_slide(s, e->visit)] : 0.0;
+        double after = yci_yarn_friction_predict(
+            s->u[e->visit], s->anchor[e->visit], du, e->stiffness, yci_rub_limit(m, e->rub), e->share);
+        e->share = direction ? e->share + share * (after - e->share) : 0.0;
     }
     for (i = 0; i < m->face_count; i++) {
         yci_face *e = m->face + i;

@@ -1,6 +1,6 @@
 /* A swatch of yarns alone through wide ranges of its inputs: pulled by its ends, brought together so that it folds
- * under gravity, let go. Every case has to converge to its tolerance; a table says what that took. And the tensile test at
- * three time steps. */
+ * under gravity, let go. Every case has to converge to its tolerance; a table says what that took. And the tensile test
+ * at three time steps. */
 #include "scenes/scenes.h"
 #include "test.h"
 #include <math.h>
