@@ -432,7 +432,7 @@ int main(int argc, char **argv) {
     int i, found = 0, ok = 1;
     for (i = 0; i < SCENES; i++) {
         piece p;
-        if (argc > 1 && strcmp(argv[1], scenes[i].name)) continue;
+        if (argc > 1 && strcmp(argv[1], scenes[i].name) != 0) continue;
         found = 1;
         printf("%s\n", scenes[i].name);
         scenes[i].run(&p);

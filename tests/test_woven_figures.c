@@ -21,7 +21,7 @@ static patch *patch_new(int warps, int wefts, const yc_yarn_material *yarn, int 
     yc_weave_desc weave = yc_weave_desc_default();
     yc_scene_desc settings = yc_scene_desc_default();
     yc_cloth_desc cloth = yc_cloth_desc_default();
-    if (!CHECK(p != NULL)) return NULL;
+    if (!p) exit(1);
     weave.spacing[0] = weave.spacing[1] = spacing;
     weave.size[0] = warps * spacing, weave.size[1] = wefts * spacing, weave.warp = weave.weft = *yarn;
     memset(settings.gravity, 0, sizeof settings.gravity);
