@@ -1,28 +1,12 @@
 /* What the scene promises whatever it is asked: refusals, failures that change nothing, reproducible bits. */
 #include "scenes/scenes.h"
-#include "test.h"
+#include "test_scene.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* ---- small parts ---------------------------------------------------------------------------------------------- */
-
-typedef struct saved {
-    char *bytes;
-    size_t size;
-} saved;
-
-static saved save_of(yc_scene *scene) {
-    saved s;
-    s.bytes = NULL, s.size = 0;
-    CHECK_RESULT(yc_scene_save(scene, NULL, &s.size), YC_OK);
-    s.bytes = (char *)malloc(s.size);
-    CHECK_RESULT(yc_scene_save(scene, s.bytes, &s.size), YC_OK);
-    return s;
-}
-
-static int same(saved a, saved b) { return a.size == b.size && (!a.size || memcmp(a.bytes, b.bytes, a.size) == 0); }
 
 /* A call was refused with this code, and its message holds every word of `words`, which are parted by '|'. */
 static void refused(yc_result result, yc_result code, const char *message, const char *words, int line) {
@@ -315,7 +299,7 @@ static void refuse_points(yc_scene *scene) {
 TEST(scene_contract_refusals_change_nothing) {
     yc_scene_desc settings = yc_scene_desc_default();
     stage asked = stage_new(NULL, &settings), calm = stage_new(NULL, &settings);
-    saved a, b;
+    test_saved a, b;
     int part, i;
     for (part = 0; part < 4; part++) {
         if (part == 0) refuse_cloths(asked.scene);
@@ -326,8 +310,8 @@ TEST(scene_contract_refusals_change_nothing) {
             CHECK_RESULT(yc_scene_step(asked.scene, 2e-3, NULL), YC_OK);
             CHECK_RESULT(yc_scene_step(calm.scene, 2e-3, NULL), YC_OK);
         }
-        a = save_of(asked.scene), b = save_of(calm.scene);
-        CHECK(same(a, b));
+        a = test_save(asked.scene), b = test_save(calm.scene);
+        CHECK(test_same(a, b));
         free(a.bytes), free(b.bytes);
     }
     stage_free(asked), stage_free(calm);
@@ -406,7 +390,7 @@ enum { CALLS = 12 };
 TEST(scene_contract_every_failing_allocation) {
     scene_swatch_desc d = tiny(SCENE_MIXED), e = tiny(SCENE_TRIANGLES);
     play p;
-    saved last;
+    test_saved last;
     int n, done = 0;
     e.origin[0] = 0.021;
     last.bytes = NULL, last.size = 0;
@@ -416,18 +400,18 @@ TEST(scene_contract_every_failing_allocation) {
         int call, refusals = 0;
         p.host = test_host_failing(n);
         for (call = 0; call < CALLS; call++) {
-            saved before, after;
+            test_saved before, after;
             yc_result result;
             before.bytes = after.bytes = NULL, before.size = after.size = 0;
-            if (p.scene) before = save_of(p.scene);
+            if (p.scene) before = test_save(p.scene);
             result = perform(&p, call);
             if (result == YC_ERROR_MEMORY) {
                 refusals++;
                 CHECK(call > 1 || !p.scene);
                 CHECK(call > 0 || !p.yarns.owner);
                 if (call > 1) CHECK(strstr(yc_scene_message(p.scene), "memory") != NULL);
-                if (p.scene) after = save_of(p.scene);
-                if (!CHECK(same(before, after))) printf("allocation %d, call %d changed the state\n", n, call);
+                if (p.scene) after = test_save(p.scene);
+                if (!CHECK(test_same(before, after))) printf("allocation %d, call %d changed the state\n", n, call);
                 grant_all();
                 result = perform(&p, call); /* and now it succeeds */
             }
@@ -440,8 +424,8 @@ TEST(scene_contract_every_failing_allocation) {
         if (!CHECK(refusals <= 1)) done = 1;
         if (!refusals) done = 1;
         if (p.scene) {
-            saved end = save_of(p.scene);
-            if (last.bytes) CHECK(same(last, end)); /* whatever failed on the way, the end is the same */
+            test_saved end = test_save(p.scene);
+            if (last.bytes) CHECK(test_same(last, end)); /* whatever failed on the way, the end is the same */
             free(last.bytes);
             last = end;
         }
@@ -459,7 +443,7 @@ TEST(scene_contract_every_failing_allocation) {
 TEST(scene_contract_step_that_cannot_be_done) {
     yc_scene_desc good = yc_scene_desc_default(), bad;
     stage s = stage_new(NULL, &good), calm = stage_new(NULL, &good);
-    saved before, after;
+    test_saved before, after;
     double time;
     int i;
     yc_stats stats;
@@ -467,7 +451,7 @@ TEST(scene_contract_step_that_cannot_be_done) {
         CHECK_RESULT(yc_scene_step(s.scene, 5e-3, NULL), YC_OK);
         CHECK_RESULT(yc_scene_step(calm.scene, 5e-3, NULL), YC_OK);
     }
-    before = save_of(s.scene), time = yc_scene_time(s.scene);
+    before = test_save(s.scene), time = yc_scene_time(s.scene);
     bad = good;
     bad.newton_limit = 1, bad.dt_min = bad.dt_max, bad.tolerance = 1e-13;
     CHECK_RESULT(yc_scene_tune(s.scene, &bad), YC_OK);
@@ -475,18 +459,18 @@ TEST(scene_contract_step_that_cannot_be_done) {
         CHECK_RESULT(yc_scene_step(s.scene, 0.02, &stats), YC_ERROR_DIVERGED);
         CHECK(strstr(yc_scene_message(s.scene), "Newton") != NULL);
         CHECK(yc_scene_time(s.scene) == time);
-        after = save_of(s.scene);
-        CHECK(same(before, after));
+        after = test_save(s.scene);
+        CHECK(test_same(before, after));
         free(after.bytes);
     }
     free(before.bytes);
     CHECK_RESULT(yc_scene_tune(s.scene, &good), YC_OK);
-    before = save_of(calm.scene); /* saving makes both start afresh */
+    before = test_save(calm.scene); /* saving makes both start afresh */
     free(before.bytes);
     CHECK_RESULT(yc_scene_step(s.scene, 0.01, NULL), YC_OK);
     CHECK_RESULT(yc_scene_step(calm.scene, 0.01, NULL), YC_OK);
-    before = save_of(s.scene), after = save_of(calm.scene);
-    CHECK(same(before, after));
+    before = test_save(s.scene), after = test_save(calm.scene);
+    CHECK(test_same(before, after));
     free(before.bytes), free(after.bytes);
     stage_free(s), stage_free(calm);
 }
@@ -508,18 +492,18 @@ TEST(scene_contract_cancel) {
     yc_host host;
     canceller c;
     stage s;
-    saved before, after;
+    test_saved before, after;
     memset(&host, 0, sizeof host), memset(&c, 0, sizeof c);
     host.user = &c, host.progress = count_down;
     settings.dt_max = 2e-3;
     s = stage_new(&host, &settings);
     CHECK_RESULT(yc_scene_step(s.scene, 1e-3, NULL), YC_OK);
-    before = save_of(s.scene);
+    before = test_save(s.scene);
     c.calls = 0, c.cancel_at = 3;
     CHECK_RESULT(yc_scene_step(s.scene, 0.01, NULL), YC_ERROR_CANCELLED);
     CHECK(c.calls == 3);
-    after = save_of(s.scene);
-    CHECK(same(before, after));
+    after = test_save(s.scene);
+    CHECK(test_same(before, after));
     CHECK_NEAR(yc_scene_time(s.scene), 1e-3, 0.0);
     c.calls = 0, c.cancel_at = -1;
     CHECK_RESULT(yc_scene_step(s.scene, 0.01, NULL), YC_OK);
@@ -542,7 +526,7 @@ static void folded(void *user, const double uv[2], double out[3]) {
     else out[0] = arc - s, out[1] = 2.0 * radius;
 }
 
-static saved run_with_workers(int workers, yc_stats *stats) {
+static test_saved run_with_workers(int workers, yc_stats *stats) {
     yc_host host = test_host_threads(workers);
     scene_swatch_desc d = scene_swatch_desc_default(SCENE_MIXED);
     scene_swatch *s = scene_swatch_new(&d);
@@ -550,7 +534,7 @@ static saved run_with_workers(int workers, yc_stats *stats) {
     yc_primitive floor;
     yc_body_desc body = yc_body_desc_default();
     yc_scene *scene = NULL;
-    saved end;
+    test_saved end;
     int step;
     memset(&floor, 0, sizeof floor);
 
@@ -564,7 +548,7 @@ static saved run_with_workers(int workers, yc_stats *stats) {
     CHECK_RESULT(yc_scene_add_body(scene, &body, NULL), YC_OK);
     for (step = 0; step < 5; step++)
         if (!CHECK_RESULT(yc_scene_step(scene, 1e-3, stats), YC_OK)) break;
-    end = save_of(scene);
+    end = test_save(scene);
     yc_scene_destroy(scene);
     CHECK(test_heap.live == 0);
     scene_swatch_free(s);
@@ -573,14 +557,14 @@ static saved run_with_workers(int workers, yc_stats *stats) {
 
 TEST(scene_contract_same_bits_for_any_workers) {
     static const int workers[] = {1, 0, 2, 3, 8};
-    saved first, other;
+    test_saved first, other;
     yc_stats stats;
     int i;
     first = run_with_workers(workers[0], &stats);
     CHECK(stats.body_contacts > 0 && stats.pair_contacts > 0 && stats.hybrid_nodes > 0 && stats.full_nodes > 0);
     for (i = 1; i < 5; i++) {
         other = run_with_workers(workers[i], &stats);
-        CHECK(same(first, other));
+        CHECK(test_same(first, other));
         free(other.bytes);
     }
     free(first.bytes);
@@ -589,7 +573,7 @@ TEST(scene_contract_same_bits_for_any_workers) {
 TEST(scene_contract_saved_state_continues_bit_for_bit) {
     yc_scene_desc settings = yc_scene_desc_default();
     stage a, b;
-    saved middle, end_a, end_b;
+    test_saved middle, end_a, end_b;
     double up[3] = {0.0, 0.025, 0.001}, turn[9] = {0, -1, 0, 1, 0, 0, 0, 0, 1}, move[3] = {0.01, 0.0, 0.0};
     int i;
     settings.self_contact = 1, settings.thickness = 2e-4, settings.tolerance = 1e-4;
@@ -602,16 +586,16 @@ TEST(scene_contract_saved_state_continues_bit_for_bit) {
         up[2] += 1e-3;
     }
     CHECK_RESULT(yc_scene_move_body(a.scene, 0, turn, move), YC_OK); /* and so is a move still to come */
-    middle = save_of(a.scene);
+    middle = test_save(a.scene);
     CHECK_RESULT(yc_scene_load(b.scene, middle.bytes, middle.size), YC_OK);
     CHECK_NEAR(yc_scene_time(b.scene), yc_scene_time(a.scene), 0.0);
     for (i = 0; i < 3; i++) {
         CHECK_RESULT(yc_scene_step(a.scene, 7e-3, NULL), YC_OK);
         CHECK_RESULT(yc_scene_step(b.scene, 7e-3, NULL), YC_OK);
     }
-    end_a = save_of(a.scene), end_b = save_of(b.scene);
-    CHECK(same(end_a, end_b));
-    CHECK(!same(middle, end_a));
+    end_a = test_save(a.scene), end_b = test_save(b.scene);
+    CHECK(test_same(end_a, end_b));
+    CHECK(!test_same(middle, end_a));
     free(middle.bytes), free(end_a.bytes), free(end_b.bytes);
     stage_free(a), stage_free(b);
 }
@@ -622,13 +606,13 @@ TEST(scene_contract_load_refuses_what_it_did_not_save) {
     scene_swatch_desc d = tiny(SCENE_YARNS);
     scene_swatch *alone = scene_swatch_new(&d);
     yc_scene *other = NULL;
-    saved state, foreign, now;
+    test_saved state, foreign, now;
     char *bad;
     int row;
     CHECK_RESULT(yc_scene_create(NULL, &settings, &other, NULL), YC_OK);
     CHECK_RESULT(yc_scene_add_cloth(other, &alone->cloth, NULL), YC_OK);
     CHECK_RESULT(yc_scene_step(s.scene, 1e-3, NULL), YC_OK);
-    state = save_of(s.scene), foreign = save_of(other);
+    state = test_save(s.scene), foreign = test_save(other);
     bad = (char *)malloc(state.size + 8);
     for (row = 0; row < 9; row++) {
         double nan = NAN;
@@ -649,8 +633,8 @@ TEST(scene_contract_load_refuses_what_it_did_not_save) {
         else
             refused(yc_scene_load(s.scene, row == 8 ? NULL : bad, size), YC_ERROR_PARSE, yc_scene_message(s.scene),
                 "state", 5000 + row);
-        now = save_of(s.scene);
-        CHECK(same(now, state));
+        now = test_save(s.scene);
+        CHECK(test_same(now, state));
         free(now.bytes);
         CHECK_RESULT(yc_scene_load(s.scene, state.bytes, state.size), YC_OK);
     }

@@ -1,21 +1,11 @@
 /* Scenes against mechanics: free flight, momentum, energy, mass, pendulum, chain, cantilever, damping. */
 #include "scenes/scenes.h"
-#include "test.h"
+#include "test_scene.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-
-/* A scene with one swatch; NULL after a failed check. */
-static yc_scene *scene_of(const yc_scene_desc *desc, const yc_cloth_desc *cloth) {
-    yc_scene *scene = NULL;
-    char why[YC_MESSAGE_SIZE];
-    if (!CHECK_RESULT(yc_scene_create(NULL, desc, &scene, why), YC_OK)) return NULL;
-    if (CHECK_RESULT(yc_scene_add_cloth(scene, cloth, NULL), YC_OK)) return scene;
-    yc_scene_destroy(scene);
-    return NULL;
-}
 
 /* Iterative solvers too solve to rounding. */
 static yc_scene_desc tight(void) {
@@ -73,7 +63,7 @@ static void check_fall(scene_kind kind, double damping) {
     double(*x)[3], (*start)[3];
     int i, k, step, count = scene_swatch_count(s);
     settings.mass_damping = damping;
-    scene = scene_of(&settings, &s->cloth);
+    scene = test_scene_of(&settings, &s->cloth);
     x = (double(*)[3])malloc((size_t)count * sizeof *x), start = (double(*)[3])malloc((size_t)count * sizeof *x);
     if (scene) {
         set_velocities(scene, s, thrown);
@@ -130,7 +120,7 @@ static void check_momentum(scene_kind kind) {
     memset(settings.gravity, 0, sizeof settings.gravity);
     s->cloth.hold_sliding = 1;
     scene_swatch_place(s, deformed, NULL);
-    scene = scene_of(&settings, &s->cloth);
+    scene = test_scene_of(&settings, &s->cloth);
     if (scene) {
         set_velocities(scene, s, spinning);
         CHECK_RESULT(yc_scene_step(scene, 1e-3, NULL), YC_OK); /* the first step makes hybrid velocities consistent */
@@ -163,7 +153,7 @@ static double angular_loss(scene_kind kind, double h) {
     settings.tolerance = 1e-11;
     s->cloth.hold_sliding = 1;
     scene_swatch_place(s, deformed, NULL);
-    scene = scene_of(&settings, &s->cloth);
+    scene = test_scene_of(&settings, &s->cloth);
     if (scene) {
         set_velocities(scene, s, spinning);
         CHECK_RESULT(yc_scene_step(scene, 1e-8, NULL), YC_OK); /* makes hybrid vertices and nodes consistent */
@@ -218,7 +208,7 @@ TEST(scene_physics_mass_is_the_layouts_for_any_alpha) {
                 : field == 12        ? test_random(&state, 0.0, 1e-3)
                 : s->uv[i][0] > 0.02 ? 1.0
                                      : 0.0;
-        scene = scene_of(&settings, &s->cloth);
+        scene = test_scene_of(&settings, &s->cloth);
         if (!scene) break;
         CHECK_RESULT(yc_scene_momentum(scene, &mass, linear, NULL), YC_OK);
         CHECK_NEAR(mass / expected, 1.0, 1e-13);
@@ -246,7 +236,7 @@ static double energy_growth(scene_kind kind, int hold_sliding, double gravity, d
     settings.gravity[1] = -gravity, settings.dt_max = 5e-3, settings.linear_tolerance = 1e-4;
     s->cloth.hold_sliding = hold_sliding;
     scene_swatch_place(s, deformed, NULL);
-    scene = scene_of(&settings, &s->cloth);
+    scene = test_scene_of(&settings, &s->cloth);
     if (!scene) return HUGE_VAL;
     if (gravity != 0.0) CHECK_RESULT(scene_swatch_pin(scene, 0, s, 0.0, d.size[1], NULL), YC_OK);
     set_velocities(scene, s, spinning);
@@ -292,7 +282,7 @@ static double pendulum_period(double h, double length, double amplitude) {
     to[0] = length * sin(amplitude), to[1] = -length * cos(amplitude), to[2] = 0.0;
     chain = scene_chain_new(1, length, from, to, &material);
     settings.tolerance = 1e-14, settings.dt_max = 1.0;
-    scene = scene_of(&settings, &chain->cloth);
+    scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
         double x[2][3] = {{0.0}}, before = to[0];
         CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, 0, NULL), YC_OK);
@@ -347,7 +337,7 @@ static double chain_sag(int pieces, double *pull) {
     material.stretch = 1e3, material.density = 1e-3, material.bending = 0.0;
     chain = scene_chain_new(pieces, 0.3, from, to, &material);
     for (i = 0; i <= pieces; i++) chain->positions[i][1] = -0.11 * (1.0 - fabs(2.0 * i / pieces - 1.0));
-    scene = scene_of(&settings, &chain->cloth);
+    scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
         double(*x)[3] = (double(*)[3])malloc((size_t)(pieces + 1) * sizeof *x);
         CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, 0, NULL), YC_OK);
@@ -413,7 +403,7 @@ static double yarn_cantilever(int pieces, double k, double *reach) {
     material.stretch = 1e3, material.density = 1e-5;
     material.bending = material.density * 9.81 * 1e-3 / k;
     chain = scene_chain_new(pieces, piece * pieces, from, to, &material);
-    scene = scene_of(&settings, &chain->cloth);
+    scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
         double(*x)[3] = (double(*)[3])malloc((size_t)(pieces + 1) * sizeof *x);
         CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, 0, NULL), YC_OK);
@@ -444,7 +434,7 @@ static double strip_cantilever(int cells, double k, double *reach) {
     d.along_v[1] = 0.0, d.along_v[2] = -1.0;
     s = scene_swatch_new(&d);
     s->cloth.material.bending = s->cloth.material.density * 9.81 * 1e-3 / (0.8 * k);
-    scene = scene_of(&settings, &s->cloth);
+    scene = test_scene_of(&settings, &s->cloth);
     if (scene) {
         for (i = 0; i < 2; i++) {
             CHECK_RESULT(yc_scene_pin(scene, 0, YC_VERTEX, i * (cells + 1), NULL), YC_OK);
@@ -492,7 +482,7 @@ TEST(scene_physics_pins_carry_the_weight) {
         yc_scene *scene;
         double mass = 0.0, force[3], sum[3] = {0.0, 0.0, 0.0};
         settings.dt_max = 0.02, settings.mass_damping = 20.0, settings.tolerance = 1e-9;
-        scene = scene_of(&settings, &s->cloth);
+        scene = test_scene_of(&settings, &s->cloth);
         if (scene) {
             for (i = 0; i < 3; i++)
                 CHECK_RESULT(scene_swatch_pin(scene, 0, s, d.size[0] * i / 2, d.size[1], NULL), YC_OK);
@@ -529,7 +519,7 @@ TEST(scene_physics_stiffness_damping_spares_rotation) {
             memset(settings.gravity, 0, sizeof settings.gravity);
             settings.stiffness_damping = damped ? 0.05 : 0.0, settings.dt_max = 1e-3;
             s->cloth.hold_sliding = 1;
-            scene = scene_of(&settings, &s->cloth);
+            scene = test_scene_of(&settings, &s->cloth);
             if (scene) {
                 set_velocities(scene, s, spinning);
                 CHECK_RESULT(yc_scene_momentum(scene, NULL, NULL, angular), YC_OK);
@@ -564,7 +554,7 @@ TEST(scene_physics_stiffness_damping_of_a_spring) {
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.stiffness_damping = beta;
     mass = 0.5 * 1e-3 * 0.1, k = 0.3 / 0.1;
-    scene = scene_of(&settings, &chain->cloth);
+    scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
         CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, 0, NULL), YC_OK);
         for (step = 0; step < 40; step++) {
@@ -596,7 +586,7 @@ TEST(scene_physics_stiffness_damping_damps_vibration) {
             settings.stiffness_damping = damped ? 2e-3 : 0.0;
             s->cloth.hold_sliding = 1;
             scene_swatch_place(s, deformed, NULL);
-            scene = scene_of(&settings, &s->cloth);
+            scene = test_scene_of(&settings, &s->cloth);
             if (scene) {
                 for (step = 0; step < 60; step++) CHECK_RESULT(yc_scene_step(scene, 2e-4, NULL), YC_OK);
                 left[damped] = energy_of(scene);

@@ -1,6 +1,6 @@
 /* Yarn networks that change while a scene runs: pull-out, fraying, snags, breaks; and that nothing else is lost. */
 #include "internals.h"
-#include "test.h"
+#include "test_scene.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -350,22 +350,6 @@ TEST(scene_topology_abuse) {
     CHECK(refused < 20);
 }
 
-typedef struct bytes {
-    char *at;
-    size_t size;
-} bytes;
-
-static bytes save_of(yc_scene *scene) {
-    bytes b;
-    b.at = NULL, b.size = 0;
-    CHECK_RESULT(yc_scene_save(scene, NULL, &b.size), YC_OK);
-    b.at = (char *)malloc(b.size);
-    CHECK_RESULT(yc_scene_save(scene, b.at, &b.size), YC_OK);
-    return b;
-}
-
-static int same(bytes a, bytes b) { return a.size == b.size && !memcmp(a.at, b.at, a.size); }
-
 /* Steps `from` to `to` of a rough life with many events; returns them. */
 static int live(swatch *w, int from, int to) {
     int step, n, events = 0;
@@ -384,30 +368,30 @@ static void check_save_and_load(double crimp) {
     yc_yarn_material yarn = fragile();
     swatch a = swatch_new(NULL, 4, &yarn, crimp, 0), b = swatch_new(NULL, 4, &yarn, crimp, 0),
            other = swatch_new(NULL, 5, &yarn, crimp, 0);
-    bytes start = save_of(a.scene), middle, end, again;
+    test_saved start = test_save(a.scene), middle, end, again;
     uint64_t state = 5;
     char *bad;
     int i;
     CHECK(live(&a, 0, 25) > 3);
-    middle = save_of(a.scene);
+    middle = test_save(a.scene);
     CHECK(live(&a, 25, 50) > 3);
-    end = save_of(a.scene);
-    CHECK_RESULT(yc_scene_load(b.scene, middle.at, middle.size), YC_OK);
+    end = test_save(a.scene);
+    CHECK_RESULT(yc_scene_load(b.scene, middle.bytes, middle.size), YC_OK);
     sound(&b), live(&b, 25, 50);
-    again = save_of(b.scene);
-    CHECK(same(end, again));
-    free(again.at);
-    CHECK_RESULT(yc_scene_load(a.scene, start.at, start.size), YC_OK); /* back to what was laid */
+    again = test_save(b.scene);
+    CHECK(test_same(end, again));
+    free(again.bytes);
+    CHECK_RESULT(yc_scene_load(a.scene, start.bytes, start.size), YC_OK); /* back to what was laid */
     sound(&a), live(&a, 0, 25);
-    again = save_of(a.scene);
-    CHECK(same(middle, again));
-    free(again.at);
-    CHECK_RESULT(yc_scene_load(other.scene, middle.at, middle.size), YC_ERROR_PARSE);
+    again = test_save(a.scene);
+    CHECK(test_same(middle, again));
+    free(again.bytes);
+    CHECK_RESULT(yc_scene_load(other.scene, middle.bytes, middle.size), YC_ERROR_PARSE);
     bad = (char *)malloc(end.size);
     for (i = 0; i < 400; i++) { /* whatever is in it, either it is a sound state or it is refused */
         size_t size = end.size;
         int k;
-        memcpy(bad, end.at, end.size);
+        memcpy(bad, end.bytes, end.size);
         for (k = 0; k < 4; k++) {
             size_t low = i % 2 ? 0 : end.size / 2; /* networks stand in the latter part */
             bad[low + (size_t)test_random_int(&state, (int)(end.size - low))] = (char)test_random_int(&state, 256);
@@ -419,8 +403,8 @@ static void check_save_and_load(double crimp) {
             CHECK_RESULT(yc_yarns_check(&now, NULL, NULL), YC_OK);
         }
     }
-    CHECK_RESULT(yc_scene_load(b.scene, end.at, end.size), YC_OK);
-    free(bad), free(start.at), free(middle.at), free(end.at);
+    CHECK_RESULT(yc_scene_load(b.scene, end.bytes, end.size), YC_OK);
+    free(bad), free(start.bytes), free(middle.bytes), free(end.bytes);
     swatch_free(&a), swatch_free(&b), swatch_free(&other);
 }
 
@@ -432,26 +416,26 @@ TEST(scene_topology_failing_allocations) {
     yc_yarn_material yarn = fragile();
     yc_host host = test_host_counting();
     swatch w = swatch_new(&host, 3, &yarn, 0.0, 0);
-    bytes before, after, done;
+    test_saved before, after, done;
     const yc_event *e;
     int n, i, events = 0, refused = 1, step;
     for (step = 0; step < 60; step++) { /* to just before a step with several events */
-        before = save_of(w.scene);
+        before = test_save(w.scene);
         events = live(&w, step, step + 1);
         if (events > 2) break;
-        free(before.at);
+        free(before.bytes);
     }
     if (!CHECK(step < 60)) {
         swatch_free(&w);
         return;
     }
-    done = save_of(w.scene);
+    done = test_save(w.scene);
     for (n = 0; refused && n < 5000; n += 1 + n / 16) {
         yc_result result;
         uint64_t state = (uint64_t)step + 3;
-        CHECK_RESULT(yc_scene_load(w.scene, before.at, before.size), YC_OK);
+        CHECK_RESULT(yc_scene_load(w.scene, before.bytes, before.size), YC_OK);
         abuse(&w, &state, step % 3 == 0);
-        after = save_of(w.scene);
+        after = test_save(w.scene);
         test_heap_grant(n);
         result = yc_scene_step(w.scene, 4e-3, NULL);
         test_heap_grant(-1);
@@ -459,15 +443,15 @@ TEST(scene_topology_failing_allocations) {
         e = yc_scene_events(w.scene, &i);
         CHECK(refused ? i == 0 : i == events && e);
         if (refused) {
-            bytes now = save_of(w.scene);
-            if (!CHECK(same(now, after))) refused = 0;
-            free(now.at);
+            test_saved now = test_save(w.scene);
+            if (!CHECK(test_same(now, after))) refused = 0;
+            free(now.bytes);
         } else CHECK_RESULT(result, YC_OK);
-        free(after.at);
+        free(after.bytes);
     }
-    after = save_of(w.scene);
-    CHECK(same(after, done) && n > 100);
-    free(after.at), free(before.at), free(done.at);
+    after = test_save(w.scene);
+    CHECK(test_same(after, done) && n > 100);
+    free(after.bytes), free(before.bytes), free(done.bytes);
     swatch_free(&w);
     CHECK(test_heap.live == 0);
 }
@@ -475,19 +459,19 @@ TEST(scene_topology_failing_allocations) {
 TEST(scene_topology_same_bits_for_any_workers) {
     static const int workers[] = {1, 0, 3};
     yc_yarn_material yarn = fragile();
-    bytes first, other;
+    test_saved first, other;
     int i;
-    first.at = NULL, first.size = 0;
+    first.bytes = NULL, first.size = 0;
     for (i = 0; i < 3; i++) {
         yc_host host = test_host_threads(workers[i]);
         swatch w = swatch_new(&host, 4, &yarn, 0.0, 0);
         CHECK(live(&w, 0, 30) > 3);
-        other = save_of(w.scene);
-        if (i) CHECK(same(first, other)), free(other.at);
+        other = test_save(w.scene);
+        if (i) CHECK(test_same(first, other)), free(other.bytes);
         else first = other;
         swatch_free(&w);
     }
-    free(first.at);
+    free(first.bytes);
 }
 
 /* ---- seams of nodes ------------------------------------------------------------------------------------------- */

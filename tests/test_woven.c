@@ -2,21 +2,12 @@
  * posts. Each against the analytic value and against the law of the discrete model, which tells the order. */
 #include "scenes/scenes.h"
 #include "scenes/yarns.h"
-#include "test.h"
+#include "test_scene.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 static const double pi = 3.14159265358979323846;
-
-static yc_scene *scene_of(const yc_scene_desc *desc, const yc_cloth_desc *cloth) {
-    yc_scene *scene = NULL;
-    char why[YC_MESSAGE_SIZE];
-    if (!CHECK_RESULT(yc_scene_create(NULL, desc, &scene, why), YC_OK)) return NULL;
-    if (CHECK_RESULT(yc_scene_add_cloth(scene, cloth, NULL), YC_OK)) return scene;
-    yc_scene_destroy(scene);
-    return NULL;
-}
 
 /* Backward Euler over a step far longer than any vibration is a minimisation of the energy. Without gravity. */
 static yc_scene_desc statics(void) {
@@ -69,7 +60,7 @@ static double stretched_force(double stretch, int pieces, double strain) {
     yc_scene *scene;
     material.stretch = stretch;
     chain = scene_chain_new(pieces, 0.1, from, to, &material);
-    scene = scene_of(&settings, &chain->cloth);
+    scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
         pin(scene, 0), move(scene, pieces, 0.1 * (1.0 + strain), 0.0, 0.0);
         if (advance(scene, 1e4, 1)) pull_at(scene, 0, force[0]), pull_at(scene, pieces, force[1]);
@@ -126,7 +117,7 @@ static void tip_error(int pieces, double error[2]) {
     int i;
     rod.stretch = 1e4, rod.bending = 1e-5;
     net = scene_tip_load(pieces, length, &rod, 1e-2);
-    scene = scene_of(&settings, &net->cloth);
+    scene = test_scene_of(&settings, &net->cloth);
     error[0] = error[1] = HUGE_VAL;
     if (scene) {
         pin(scene, 0), pin(scene, 1);
@@ -174,7 +165,7 @@ static double buckling_force(int pieces, double length, double bending) {
         chain->positions[i][1] = length * sqrt(4.0 * shorten[0]) / pi * sin(pi * s);
         chain->positions[i][0] = length * (s * (1.0 - shorten[0]) - shorten[0] * sin(2.0 * pi * s) / (2.0 * pi));
     }
-    scene = scene_of(&settings, &chain->cloth);
+    scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
         pin(scene, 0);
         for (i = 0; i < 2; i++) {
@@ -224,7 +215,7 @@ static double swing_frequency(int pieces, double length, double h) {
         chain->positions[i][0] = 0.01 * length * sum;
     }
     settings.tolerance = 1e-11, settings.dt_max = 1.0;
-    scene = scene_of(&settings, &chain->cloth);
+    scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
         pin(scene, 0);
         for (step = 1; found < 3 && step < 4000 && advance(scene, h, 1); step++) {
@@ -259,7 +250,7 @@ static double bead_run(const scene_bead_desc *d, double slope, double time, doub
     yc_scene *scene;
     double h = 1e-3, v, x[3] = {0.0}, moved = 0.0;
     settings.dt_max = 1.0, settings.newton_limit = 10000, settings.tolerance = 1e-14;
-    scene = scene_of(&settings, &net->cloth);
+    scene = test_scene_of(&settings, &net->cloth);
     *acceleration = HUGE_VAL;
     if (scene) {
         pin(scene, 0), pin(scene, 1);
@@ -311,7 +302,7 @@ TEST(woven_bead_sticks) {
 static double capstan_ratio(const scene_capstan_desc *d) {
     scene_net *net = scene_capstan(d);
     yc_scene_desc settings = statics();
-    yc_scene *scene = scene_of(&settings, &net->cloth);
+    yc_scene *scene = test_scene_of(&settings, &net->cloth);
     double out[3], first[3] = {1.0, 0.0, 0.0}, last[3] = {0.0, 0.0, 0.0}, reach = 0.0;
     int n = d->crossings, i;
     scene_capstan_out(net, d, out);
