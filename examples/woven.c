@@ -149,6 +149,22 @@ static void advance(piece *p, int row, int node) {
     p->newton = p->substeps = 0;
 }
 
+/* Draws the end of a yarn by d[] over `frames` frames, in the third colour, while the warps before `held` are held. */
+static void draw_out(piece *p, int yarn, int visit, const double d[3], int held, int frames) {
+    int end, i, k;
+    if (!p->ok) return;
+    end = p->yarns.visit_node[visit_of(p, yarn, visit)];
+    p->pulled[0] = yarn, p->pulled_count = 1;
+    piece_start(p, &p->yarns);
+    hold(p, YC_WARP, 0, held);
+    for (i = 1; i <= frames && p->ok; i++) {
+        double now[3];
+        for (k = 0; k < 3; k++) now[k] = d[k] * i / frames;
+        draw_to(p, end, now);
+        advance(p, 6, end);
+    }
+}
+
 /* ---- pictures ---- */
 
 typedef struct view {
@@ -307,40 +323,22 @@ static void snag(piece *p) {
 }
 
 static void pullout(piece *p) {
-    enum { WARPS = 30, WEFTS = 24, PULL = 60 };
+    enum { WARPS = 30, WEFTS = 24 };
     static const view v = {1000, 480, {0.2, 0.7, 0.9}, 1.0, {0.0, 0.0}};
     double d[3] = {0.0, 0.0, 0.0};
-    int i, weft = WEFTS / 2, end;
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
-    if (!p->ok) return;
-    end = node_of(p, YC_WEFT, weft, -1);
-    p->pulled[0] = yarn_of(p, YC_WEFT, weft), p->pulled_count = 1;
-    piece_start(p, &p->yarns);
-    hold(p, YC_WARP, 0, WARPS);
-    for (i = 1; i <= PULL && p->ok; i++) {
-        d[0] = 0.6 * p->weave.size[0] * i / PULL, d[1] = 0.1 * d[0];
-        draw_to(p, end, d);
-        advance(p, 6, end);
-    }
+    d[0] = 0.6 * p->weave.size[0], d[1] = 0.1 * d[0];
+    draw_out(p, yarn_of(p, YC_WEFT, WEFTS / 2), -1, d, WARPS, 60);
     draw(p, &v, "pullout");
 }
 
 static void fray(piece *p) {
-    enum { WARPS = 24, WEFTS = 24, PULL = 60 };
+    enum { WARPS = 24, WEFTS = 24 };
     static const view v = {900, 700, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}};
-    double d[3] = {0.0, 0.0, 0.0};
-    int i, end;
+    double d[3];
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
-    if (!p->ok) return;
-    end = node_of(p, YC_WARP, WARPS - 1, 0);
-    p->pulled[0] = yarn_of(p, YC_WARP, WARPS - 1), p->pulled_count = 1;
-    piece_start(p, &p->yarns);
-    hold(p, YC_WARP, 0, WARPS - 2);
-    for (i = 1; i <= PULL && p->ok; i++) {
-        d[0] = 0.35 * p->weave.size[0] * i / PULL, d[1] = 0.1 * d[0], d[2] = -0.2 * d[0];
-        draw_to(p, end, d);
-        advance(p, 6, end);
-    }
+    d[0] = 0.35 * p->weave.size[0], d[1] = 0.1 * d[0], d[2] = -0.2 * d[0];
+    draw_out(p, yarn_of(p, YC_WARP, WARPS - 1), 0, d, WARPS - 2, 60);
     draw(p, &v, "fray");
 }
 
@@ -366,6 +364,17 @@ static void strip(piece *p) {
 }
 
 /* Moves the 3 x 3 crossings at two opposite corners apart along the diagonal; d NULL: lets the second go. */
+static void clamp(piece *p, int side, const double d[3]) {
+    static const double nowhere[3] = {0.0, 0.0, 0.0};
+    int i, k;
+    for (i = 0; i < 3; i++)
+        for (k = 0; k < 3; k++) {
+            draw_to(p, node_of(p, YC_WARP, i, k + 1), nowhere);
+            draw_to(p, node_of(p, YC_WARP, side - 1 - i, -2 - k), d);
+        }
+}
+
+/* From one of those corners to the other. */
 static double diagonal(piece *p, int side) {
     double(*x)[3], length = 0.0;
     yc_yarns now;
@@ -378,16 +387,6 @@ static double diagonal(piece *p, int side) {
     }
     free(x);
     return length;
-}
-
-static void clamp(piece *p, int side, const double d[3]) {
-    static const double nowhere[3] = {0.0, 0.0, 0.0};
-    int i, k;
-    for (i = 0; i < 3; i++)
-        for (k = 0; k < 3; k++) {
-            draw_to(p, node_of(p, YC_WARP, i, k + 1), nowhere);
-            draw_to(p, node_of(p, YC_WARP, side - 1 - i, -2 - k), d);
-        }
 }
 
 static void corner(piece *p) {

@@ -32,10 +32,10 @@
  * twice that of CHOLMOD (dense: OpenBLAS) with the same right-hand sides, in its most accurate setting. */
 #define _POSIX_C_SOURCE 200809L /* NOLINT(bugprone-reserved-identifier): what POSIX prescribes */
 #include "direct/direct.h"
+#include "report.h"
 #include "yarncloth.h"
 #include <errno.h>
 #include <signal.h>
-#include <stdarg.h>
 #include <unistd.h>
 
 #define MOST_ROUNDS 31
@@ -80,19 +80,6 @@ static const bench_case cases[] = {
     {"lu-1500", MATRIX_DENSE, 0, 1500, 1, 0, {0, 0, 0.65, 0.75, 0.40}},
     {"lu-3000", MATRIX_DENSE, 0, 3000, 1, 0, {0, 0, 0.72, 0.75, 0.45}},
 };
-
-/* ---- output, to the terminal and to a file ----------------------------------------------------------------------- */
-
-static FILE *record;
-
-static void say(const char *format, ...) {
-    va_list args;
-    va_start(args, format), vprintf(format, args), va_end(args);
-    fflush(stdout);
-    if (!record) return;
-    va_start(args, format), vfprintf(record, format, args), va_end(args);
-    fflush(record);
-}
 
 static void stop(const char *why) {
     fprintf(stderr, "bench-direct: %s\n", why);
@@ -341,19 +328,6 @@ static double least(const double *values, int count) {
 
 /* ---- a case ------------------------------------------------------------------------------------------------------ */
 
-typedef struct {
-    int goals, met;
-    double worst; /* reached share: goal / ratio */
-    char which[64];
-} tally;
-
-static void count_goal(tally *t, const char *name, const char *what, double share) {
-    t->goals++, t->met += share >= 1.0;
-    if (share >= t->worst && t->goals > 1) return;
-    t->worst = share;
-    snprintf(t->which, sizeof t->which, "%s, %s", name, what);
-}
-
 /* One turn of a rival. */
 static void rival_turn(setting *s, const matrix *m, int round, double *x) {
     const worker *w = &workers[s->worker];
@@ -410,13 +384,13 @@ static int most_accurate(const char *word) {
     return best;
 }
 
-static void report_phase(const bench_case *bc, int p, double *seconds, int rounds, tally *t) {
+static void report_phase(const bench_case *bc, int p, double *seconds, int rounds) {
     int best = best_rival(p, rounds), r;
     double ratio[MOST_ROUNDS], reached, spread, share;
     if (best < 0 || seconds[0] < 0.0) return;
     if (seconds[0] == HUGE_VAL) {
         say("%-21s%-9s%12s\n", bc->name, phase_name[p], "failed");
-        if (bc->goal[p] > 0.0) count_goal(t, bc->name, phase_name[p], 0.0);
+        if (bc->goal[p] > 0.0) count_goal(bc->name, phase_name[p], 0.0);
         return;
     }
     for (r = 0; r < rounds; r++) ratio[r] = seconds[r] / settings[best].seconds[p][r];
@@ -426,21 +400,21 @@ static void report_phase(const bench_case *bc, int p, double *seconds, int round
         1e3 * median(settings[best].seconds[p], rounds), settings[best].name, reached, spread);
     if (bc->goal[p] > 0.0) {
         say("%6.2f  %s", bc->goal[p], share >= 1.0 ? "met" : "missed");
-        count_goal(t, bc->name, phase_name[p], share);
+        count_goal(bc->name, phase_name[p], share);
     }
     say("\n");
 }
 
-static void report_error(const bench_case *bc, double error, tally *t) {
+static void report_error(const bench_case *bc, double error) {
     int reference = most_accurate(bc->kind == MATRIX_DENSE ? "OpenBLAS" : "CHOLMOD");
     double theirs = reference < 0 ? HUGE_VAL : settings[reference].error;
     double goal = 2.0 * theirs < BOUND ? 2.0 * theirs : BOUND, share = error < HUGE_VAL ? goal / error : 0.0;
     say("%-21s%-9s%12.1e%12.1e  %-30s%6.2f       %6.2f  %s\n", bc->name, "error", error, theirs,
         reference < 0 ? "" : settings[reference].name, error / theirs, goal / theirs, share >= 1.0 ? "met" : "missed");
-    count_goal(t, bc->name, "error", share);
+    count_goal(bc->name, "error", share);
 }
 
-static void run_case(const bench_case *bc, int rounds, tally *t) {
+static void run_case(const bench_case *bc, int rounds) {
     matrix m;
     ours own;
     double seconds[PHASES][MOST_ROUNDS], turn[PHASES], error = HUGE_VAL, longest = 0.0, *x;
@@ -483,8 +457,8 @@ static void run_case(const bench_case *bc, int rounds, tally *t) {
                     longest = settings[k].seconds[p][round];
         if (longest < 0.01 && round == 0 && rounds == 7) rounds = 11;
     }
-    for (p = 0; p < PHASES; p++) report_phase(bc, p, seconds[p], rounds, t);
-    report_error(bc, error, t);
+    for (p = 0; p < PHASES; p++) report_phase(bc, p, seconds[p], rounds);
+    report_error(bc, error);
     own.base.release(&own.base, 1);
     free(own.half), free(own.x), free(x);
     matrix_free(&m);
@@ -522,7 +496,6 @@ static int asked_for(const char *name, const char *word) {
 }
 
 int main(int argc, char **argv) {
-    tally t = {0, 0, 0.0, ""};
     char program[1024];
     int quick = 0, rounds = 7, words = 0, i, k;
     for (i = 1; i < argc; i++) {
@@ -534,14 +507,13 @@ int main(int argc, char **argv) {
     signal(SIGPIPE, SIG_IGN);
     snprintf(program, sizeof program, "%s-rivals", argv[0]);
     workers_start(program);
-    record = fopen("out/bench-direct.txt", "w");
+    report_open("bench-direct");
     heading();
     for (k = 0; k < (int)(sizeof cases / sizeof cases[0]); k++) {
         int wanted = !words;
         for (i = 0; i < words; i++) wanted = wanted || asked_for(cases[k].name, argv[1 + i]);
-        if (wanted && (cases[k].quick || !quick)) run_case(&cases[k], rounds, &t);
+        if (wanted && (cases[k].quick || !quick)) run_case(&cases[k], rounds);
     }
-    say("bench-direct: %d of %d goals met, worst %.2f (%s)\n", t.met, t.goals, t.worst, t.which);
-    if (record) fclose(record);
+    report_close();
     return 0;
 }

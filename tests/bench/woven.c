@@ -31,40 +31,16 @@
  * and 1.1. */
 #define _POSIX_C_SOURCE 200809L /* NOLINT(bugprone-reserved-identifier): what POSIX prescribes */
 #include "bench.h"
+#include "report.h"
 #include "../scenes/mechanics.h"
 #include "yarncloth.h"
 #include <math.h>
-#include <stdarg.h>
 
 static const double degree = 3.14159265358979323846 / 180.0;
 
-/* ---- output and goals ------------------------------------------------------------------------------------------ */
-
-static FILE *record;
 static int quick;
 
-static void say(const char *format, ...) {
-    va_list args;
-    va_start(args, format), vprintf(format, args), va_end(args);
-    fflush(stdout);
-    if (!record) return;
-    va_start(args, format), vfprintf(record, format, args), va_end(args);
-    fflush(record);
-}
-
-static struct {
-    int goals, met;
-    double worst; /* reached share */
-    char which[96];
-} tally;
-
-static void count_goal(const char *name, const char *what, double share) {
-    if (!(share >= 0.0)) share = 0.0;
-    tally.goals++, tally.met += share >= 1.0;
-    if (share >= tally.worst && tally.goals > 1) return;
-    tally.worst = share;
-    snprintf(tally.which, sizeof tally.which, "%s, %s", name, what);
-}
+/* ---- goals ------------------------------------------------------------------------------------------------------ */
 
 /* A measured range is a goal: inside 1 or more is reached, outside the quotient with the nearer end. */
 static void report(
@@ -374,12 +350,11 @@ int main(int argc, char **argv) {
                                                  : 0;
     }
     if (!parts) parts = 7;
-    record = fopen("out/bench-woven.txt", "w");
+    report_open("bench-woven");
     say("yarncloth %s, one thread\n\n", yc_version());
     if (parts & 1) run_fabrics();
     if (parts & 2) run_weaves();
     if (parts & 4) run_speed();
-    say("bench-woven: %d of %d goals met, worst %.2f (%s)\n", tally.met, tally.goals, tally.worst, tally.which);
-    if (record) fclose(record);
+    report_close();
     return 0;
 }

@@ -102,9 +102,22 @@ static double middle_strain(const scene_sample *s, int axis, int along) {
     return (s->x[b][line] - s->x[a][line]) / (s->yarns.layout[b][line] - s->yarns.layout[a][line]) - 1.0;
 }
 
+/* Equilibrium, and what holds the second clamp against `along`, per width. */
+static yc_result clamp_force(scene_sample *s, int axis, const double along[2], double *force) {
+    yc_result result = scene_sample_solve(s, 1e3);
+    int i;
+    for (*force = 0.0, i = 0; i < s->yarns.node_count && result == YC_OK; i++) {
+        double f[3];
+        if (clamp_of(s, axis, i) != 1) continue;
+        result = yc_scene_pin_force(s->scene, 0, YC_NODE, i, f);
+        *force += (f[0] * along[0] + f[1] * along[1]) / s->weave.size[!axis];
+    }
+    return result;
+}
+
 /* Draws the clamps apart by a strain of the whole. */
 static yc_result draw(scene_sample *s, int axis, int hold_width, double strain, double *force) {
-    double length = s->weave.size[axis];
+    double length = s->weave.size[axis], along[2] = {0.0, 0.0};
     yc_result result = YC_OK;
     int i;
     for (i = 0; i < s->yarns.node_count && result == YC_OK; i++) {
@@ -115,14 +128,8 @@ static yc_result draw(scene_sample *s, int axis, int hold_width, double strain, 
         to[axis] += strain * (clamp == 2 ? to[axis] : clamp > 0 ? length : 0.0);
         result = yc_scene_pin(s->scene, 0, YC_NODE, i, to);
     }
-    if (result == YC_OK) result = scene_sample_solve(s, 1e3);
-    for (*force = 0.0, i = 0; i < s->yarns.node_count && result == YC_OK; i++) {
-        double f[3];
-        if (clamp_of(s, axis, i) != 1) continue;
-        result = yc_scene_pin_force(s->scene, 0, YC_NODE, i, f);
-        *force += f[axis] / s->weave.size[!axis];
-    }
-    return result;
+    along[axis] = 1.0;
+    return result == YC_OK ? clamp_force(s, axis, along, force) : result;
 }
 
 yc_result scene_tensile_run(const scene_tensile_desc *d, scene_tensile *out, char *message) {
@@ -161,7 +168,7 @@ double scene_tensile_at(const scene_tensile *c, double force) {
 
 /* Turns the clamped yarns, longer by a strain, to an angle; the shear force per width. */
 static yc_result turn(scene_sample *s, int axis, double strain, double angle, double *force) {
-    const double *size = s->weave.size;
+    double along[2];
     yc_result result = YC_OK;
     int i;
     for (i = 0; i < s->yarns.node_count && result == YC_OK; i++) {
@@ -171,14 +178,8 @@ static yc_result turn(scene_sample *s, int axis, double strain, double angle, do
         to[axis] = at * cos(angle), to[!axis] += at * sin(angle);
         result = yc_scene_pin(s->scene, 0, YC_NODE, i, to);
     }
-    if (result == YC_OK) result = scene_sample_solve(s, 1e3);
-    for (*force = 0.0, i = 0; i < s->yarns.node_count && result == YC_OK; i++) {
-        double f[3];
-        if (clamp_of(s, axis, i) != 1) continue;
-        result = yc_scene_pin_force(s->scene, 0, YC_NODE, i, f);
-        *force += (f[!axis] * cos(angle) - f[axis] * sin(angle)) / size[!axis];
-    }
-    return result;
+    along[axis] = -sin(angle), along[!axis] = cos(angle);
+    return result == YC_OK ? clamp_force(s, axis, along, force) : result;
 }
 
 /* The strain at which the clamps pull with that tension. */
