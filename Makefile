@@ -34,7 +34,8 @@ hello: $(BUILD)/hello
 
 examples: $(EXAMPLES)
 
-# make test TESTS="vec sparse" runs the tests whose names contain one of these words; LIBRARIES are linked with them.
+# make test TESTS="vec sparse -chol" runs the tests whose names contain one of the words, but none with a word behind a
+# minus; LIBRARIES are linked with them.
 test: $(BUILD)/tests
 	$(BUILD)/tests $(TESTS)
 

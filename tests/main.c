@@ -1,6 +1,7 @@
-/* Runs the tests: all, or those whose names contain one of the arguments. One line each, then the counts.
+/* Runs the tests: all, or those whose names contain one of the words, and none that contains a word with - before it.
+ * One line each, then the counts.
  *
- *   tests [--list] [--time] [word ...] */
+ *   tests [--list] [--time] [word | -word ...] */
 #include "test.h"
 #include <math.h>
 #include <signal.h>
@@ -274,11 +275,15 @@ static void run(const test_entry *entry, int show_time) {
     fflush(stdout);
 }
 
+/* -word leaves out what contains it; without another word all the rest is chosen. */
 static int chosen(const char *name, char **words, int count) {
-    int i;
-    for (i = 0; i < count; i++)
-        if (strstr(name, words[i])) return 1;
-    return count == 0;
+    int i, found = 0, asked = 0;
+    for (i = 0; i < count; i++) {
+        if (words[i][0] == '-' && strstr(name, words[i] + 1)) return 0;
+        if (words[i][0] == '-') continue;
+        asked++, found = found || strstr(name, words[i]) != NULL;
+    }
+    return found || !asked;
 }
 
 int main(int count, char **words) {
@@ -287,7 +292,7 @@ int main(int count, char **words) {
     for (count--, words++; count > 0 && !strncmp(*words, "--", 2); count--, words++) {
         if (!strcmp(*words, "--list")) list = 1;
         else if (!strcmp(*words, "--time")) show_time = 1;
-        else return fprintf(stderr, "usage: tests [--list] [--time] [word ...]\n"), 2;
+        else return fprintf(stderr, "usage: tests [--list] [--time] [word | -word ...]\n"), 2;
     }
     catch_crash(SIGSEGV), catch_crash(SIGFPE), catch_crash(SIGILL), catch_crash(SIGABRT);
     for (entry = entries; entry->name; entry++) {
