@@ -11,7 +11,7 @@
  * Each prints a table and writes out/woven-NAME.png; snag also woven-hooked.png, before it is let go. All are pieces
  * of an open plain weave, about two centimetres wide, on a table: u of the pattern is x, v is -z, and y is up. Weight
  * does not matter at this size and is left out. */
-#include "common/ex_render.h"
+#include "common/ex_yarns.h"
 #include "yarncloth.h"
 #include <math.h>
 #include <stdio.h>
@@ -19,7 +19,6 @@
 #include <string.h>
 
 static const double frame = 5e-3; /* s */
-static const double fuller = 1.9; /* radii as drawn over those that act, to close the weave to the eye */
 
 typedef struct piece {
     yc_weave_desc weave;
@@ -167,97 +166,25 @@ static void draw_out(piece *p, int yarn, int visit, const double d[3], int held,
 
 /* ---- pictures ---- */
 
-typedef struct view {
-    int width, height;
-    double from[3];  /* towards the camera */
-    double zoom;     /* 1: all yarns just fit */
-    double shift[2]; /* of what is in the middle, to the right and up, in cloth widths */
-} view;
-
-/* sRGB of warp, weft and the yarn that is drawn out. */
-static const double colors_of[3][3] = {{0.20, 0.33, 0.56}, {0.93, 0.91, 0.87}, {0.80, 0.27, 0.17}};
-
-/* Stands so far off that all points are in the picture, in its middle. */
-static ex_camera camera_for(const view *v, double (*points)[3], int count, double width) {
-    ex_camera c;
-    double axes[3][3], slope[2], low[2], high[2], size, distance = 0.1;
-    int i, k, round;
-    memset(&c, 0, sizeof c);
-    c.up[1] = 1.0, c.fov = 24.0;
-    slope[1] = tan(c.fov * 3.14159265358979 / 360.0), slope[0] = slope[1] * v->width / v->height;
-    size = sqrt(v->from[0] * v->from[0] + v->from[1] * v->from[1] + v->from[2] * v->from[2]);
-    for (k = 0; k < 3; k++) axes[2][k] = v->from[k] / size;
-    size = hypot(axes[2][0], axes[2][2]);
-    axes[0][0] = axes[2][2] / size, axes[0][1] = 0.0, axes[0][2] = -axes[2][0] / size;
-    axes[1][0] = axes[2][1] * axes[0][2], axes[1][1] = axes[2][2] * axes[0][0] - axes[2][0] * axes[0][2],
-    axes[1][2] = -axes[2][1] * axes[0][0];
-    for (round = 0; round < 8; round++) {
-        double widest = 0.0;
-        low[0] = low[1] = HUGE_VAL, high[0] = high[1] = -HUGE_VAL;
-        for (i = 0; i < count; i++) {
-            double q[3] = {0.0, 0.0, 0.0};
-            for (k = 0; k < 9; k++) q[k / 3] += axes[k / 3][k % 3] * (points[i][k % 3] - c.target[k % 3]);
-            for (k = 0; k < 2; k++) {
-                double s = q[k] / (distance - q[2]) / slope[k];
-                low[k] = fmin(low[k], s), high[k] = fmax(high[k], s);
-            }
-        }
-        for (k = 0; k < 3; k++)
-            c.target[k] += 0.5 * distance *
-                ((low[0] + high[0]) * slope[0] * axes[0][k] + (low[1] + high[1]) * slope[1] * axes[1][k]);
-        for (k = 0; k < 2; k++) widest = fmax(widest, 0.5 * (high[k] - low[k]));
-        distance *= widest / 0.94;
-    }
-    for (k = 0; k < 3; k++) c.target[k] += width * (v->shift[0] * axes[0][k] + v->shift[1] * axes[1][k]);
-    for (k = 0; k < 3; k++) c.eye[k] = c.target[k] + axes[2][k] * distance / v->zoom;
-    return c;
-}
-
-/* The yarns as they are now, from where `eyes` stands, or, where that is NULL, from where `v` says. */
-static ex_image *picture_of(piece *p, const view *v, ex_camera *eyes, int keep) {
-    yc_curve_desc desc = yc_curve_desc_default();
-    yc_curves c;
-    yc_yarns now;
-    ex_thread thread;
-    ex_look look;
-    ex_scene *picture;
+/* The yarns as they are now, from where `eyes` stands, or, where `keep` is 0, from where `v` says. */
+static ex_image *picture_of(piece *p, const ex_yarns_view *v, ex_camera *eyes, int keep) {
+    static const double colors_of[3][3] = {{0.20, 0.33, 0.56}, {0.93, 0.91, 0.87}, {0.80, 0.27, 0.17}};
     ex_image *image = NULL;
-    double(*nodes)[3], (*points)[3], (*colors)[3], *radii, low = HUGE_VAL;
-    char why[YC_MESSAGE_SIZE];
+    yc_yarns now;
+    double(*colors)[3];
+    char why[YC_MESSAGE_SIZE] = "colours";
     int i, k;
     if (!p->ok || !worked(p, yc_scene_network(p->scene, 0, &now))) return NULL;
-    memset(&c, 0, sizeof c);
-    desc.steps = 8, desc.offset = fuller;
-    if (!fine(p, yc_curves_make(NULL, &now, NULL, &desc, &c, why), why)) return NULL;
-    c.first = calloc((size_t)c.curve_count + 1, sizeof *c.first), c.yarn = calloc((size_t)c.curve_count, sizeof(int));
-    c.points = calloc((size_t)c.point_count, sizeof *c.points), c.radius = calloc((size_t)c.curve_count, sizeof(float));
-    nodes = calloc((size_t)now.node_count, sizeof *nodes), points = calloc((size_t)c.point_count, sizeof *points);
-    colors = calloc((size_t)c.curve_count, sizeof *colors), radii = calloc((size_t)c.curve_count, sizeof *radii);
-    if (!c.first || !c.yarn || !c.points || !c.radius || !nodes || !points || !colors || !radii)
-        fine(p, YC_ERROR_MEMORY, "curves");
-    if (p->ok) worked(p, yc_scene_positions(p->scene, 0, YC_NODE, nodes));
-    if (p->ok && fine(p, yc_curves_make(NULL, &now, (const double(*)[3])nodes, &desc, &c, why), why)) {
-        for (i = 0; i < 3 * c.point_count; i++) points[i / 3][i % 3] = (double)c.points[i / 3][i % 3];
-        for (i = 0; i < c.point_count; i++) low = fmin(low, points[i][1]);
-        for (i = 0; i < c.curve_count; i++) {
-            int which = now.yarn_family[c.yarn[i]] == YC_WEFT;
-            for (k = 0; k < p->pulled_count; k++)
-                if (p->pulled[k] == c.yarn[i]) which = 2;
-            memcpy(colors[i], colors_of[which], sizeof colors[i]);
-            radii[i] = fuller * (double)c.radius[i];
-        }
-        if (!keep) *eyes = camera_for(v, points, c.point_count, p->weave.size[0]);
-        ex_look_default(&look);
-        look.ao_radius = 4.0 * radii[0], look.ao_strength = 1.6, look.samples = 3;
-        look.ground = 1, look.ground_y = low - radii[0];
-        ex_thread_cotton(&thread);
-        picture = ex_render_begin(v->width, v->height, eyes, &look);
-        ex_render_tubes(
-            picture, (const double(*)[3])points, c.first, c.curve_count, radii, (const double(*)[3])colors, &thread);
-        image = ex_render_finish(picture);
-        if (!image) fine(p, YC_ERROR_MEMORY, "picture");
+    colors = calloc((size_t)now.yarn_count, sizeof *colors);
+    for (i = 0; colors && i < now.yarn_count; i++) {
+        int which = now.yarn_family[i] == YC_WEFT;
+        for (k = 0; k < p->pulled_count; k++)
+            if (p->pulled[k] == i) which = 2;
+        memcpy(colors[i], colors_of[which], sizeof colors[i]);
     }
-    free(c.first), free(c.yarn), free(c.points), free(c.radius), free(nodes), free(points), free(colors), free(radii);
+    if (colors) image = ex_yarns_draw(p->scene, 0, v, (const double(*)[3])colors, eyes, keep, why);
+    if (!image) fine(p, YC_ERROR_MEMORY, why);
+    free(colors);
     return image;
 }
 
@@ -269,7 +196,7 @@ static void save(piece *p, ex_image *image, const char *name) {
     ex_image_free(image);
 }
 
-static void draw(piece *p, const view *v, const char *name) {
+static void draw(piece *p, const ex_yarns_view *v, const char *name) {
     ex_camera eyes;
     save(p, picture_of(p, v, &eyes, 0), name);
 }
@@ -298,7 +225,7 @@ static int hook(piece *p, int weft, int warp, yc_yarns *out, double (**layout)[3
 
 static void snag(piece *p) {
     enum { WARPS = 36, WEFTS = 30, PULL = 50, REST = 40 };
-    static const view v = {900, 500, {0.12, 0.62, 0.95}, 1.14, {0.0, 0.0}};
+    static const ex_yarns_view v = {900, 500, 0, {0.12, 0.62, 0.95}, 1.14, {0.0, 0.0}, 1.9, 1};
     yc_yarns hooked;
     double(*layout)[3] = NULL;
     int *nodes = NULL, i, weft = WEFTS / 2, warp = WARPS / 2, loop;
@@ -324,7 +251,7 @@ static void snag(piece *p) {
 
 static void pullout(piece *p) {
     enum { WARPS = 30, WEFTS = 24 };
-    static const view v = {1000, 480, {0.2, 0.7, 0.9}, 1.0, {0.0, 0.0}};
+    static const ex_yarns_view v = {1000, 480, 0, {0.2, 0.7, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1};
     double d[3] = {0.0, 0.0, 0.0};
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
     d[0] = 0.6 * p->weave.size[0], d[1] = 0.1 * d[0];
@@ -334,7 +261,7 @@ static void pullout(piece *p) {
 
 static void fray(piece *p) {
     enum { WARPS = 24, WEFTS = 24 };
-    static const view v = {900, 700, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}};
+    static const ex_yarns_view v = {900, 700, 0, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1};
     double d[3];
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
     d[0] = 0.35 * p->weave.size[0], d[1] = 0.1 * d[0], d[2] = -0.2 * d[0];
@@ -344,7 +271,7 @@ static void fray(piece *p) {
 
 static void strip(piece *p) {
     enum { WARPS = 10, WEFTS = 40, PULL = 50 };
-    static const view v = {1100, 500, {0.9, 0.8, 0.25}, 1.0, {0.0, 0.0}};
+    static const ex_yarns_view v = {1100, 500, 0, {0.9, 0.8, 0.25}, 1.0, {0.0, 0.0}, 1.9, 1};
     double d[3] = {0.0, 0.0, 0.0};
     int i, a, b;
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
@@ -391,7 +318,7 @@ static double diagonal(piece *p, int side) {
 
 static void corner(piece *p) {
     enum { SIDE = 26, PULL = 40, BACK = 60 };
-    static const view v = {520, 520, {0.0, 0.95, 0.1}, 1.0, {0.0, 0.0}};
+    static const ex_yarns_view v = {520, 520, 0, {0.0, 0.95, 0.1}, 1.0, {0.0, 0.0}, 1.9, 1};
     double d[3] = {0.0, 0.0, 0.0};
     ex_image *shown[2], *all;
     ex_camera eyes;
