@@ -8307,6 +8307,12 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
  *                vanishes between two steps. It acts far below any touching distance. Projected is exact.
  *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where
  *                it slips, the parabola that touches from above: with the exact zero Newton would overshoot forever.
+ *   wrapping     k L (1 - s_p s_q cos(psi - psi_0)), s_p, s_q the sines of two tails' angles to a stitch contact's
+ *                axis, psi their dihedral about it, 0 when flat (YARN 4.2, eq. 2, smooth: a polynomial of three unit
+ *                vectors, as stiff as the literal (1/2) k L (psi - psi_0)^2 where both tails stand across the axis;
+ *                that is the hinge of chapter triangle, undefined where a tail lies in the axis). With p, q the parts
+ *                of the tails across it, q turned by psi_0 about it, it is k L/2 (|p - q|^2 + (tail.axis)^2 of both);
+ *                projected is the Gauss-Newton form of that, exact at rest.
  *   turning      the friction law of phi in place of u, k in N m, limit = mu lambda (2/3) rho: the moment of a pressure
  *                lambda spread evenly over a disc of radius rho. Projected as friction and shear are.
  * With crimp u is the true length of a yarn that passes its nodes at heights y, and
@@ -8746,6 +8752,95 @@ YC_FN double yci_yarn_turn(
     return f;
 }
 
+/* -- wrapping of a stitch contact: q = (x_a, x_b, x_p, x_q), its nodes and the far ends of the tails there ---------- */
+
+/* m += c I + s [v]x + d x y^T */
+YC_FN void yci_yarn_wrap_term(
+    double *m, double c, double s, const double *v, double d, const double *x, const double *y) {
+    for (int i = 0; i < 3; i++) {
+        int j = (i + 1) % 3, k = (i + 2) % 3;
+        m[4 * i] += c, m[3 * i + j] -= s * v[k], m[3 * j + i] += s * v[k];
+        yci_axpy(m + 3 * i, d * x[i], y);
+    }
+}
+
+/* The second derivatives by the three unit vectors, over k, of which those with i <= j are set; `fall` are the
+ * derivatives along the vectors. */
+YC_FN void yci_yarn_wrap_blocks(
+    double (*m)[3][9], double (*unit)[3], double c, double s, const double *fall, int projected) {
+    const double *e = unit[0], *a = unit[1], *b = unit[2];
+    double alpha = yci_dot(a, e), beta = yci_dot(b, e), r[3][9];
+    yci_zero(&m[0][0][0], 81), yci_zero(&r[0][0], 27);
+    if (!projected) {
+        for (int i = 0; i < 3; i++) yci_yarn_wrap_term(m[i][i], -fall[i], 0.0, e, 0.0, e, e);
+        yci_yarn_wrap_term(m[0][0], 0.0, 0.0, e, -c, a, b), yci_yarn_wrap_term(m[0][0], 0.0, 0.0, e, -c, b, a);
+        yci_yarn_wrap_term(m[0][1], -c * beta, s, b, -c, b, e);
+        yci_yarn_wrap_term(m[0][2], -c * alpha, -s, a, -c, a, e);
+        yci_yarn_wrap_term(m[1][2], c, s, e, -c, e, e);
+        return;
+    }
+    yci_yarn_wrap_term(r[0], -alpha - c * beta, -s, b, -1.0, e, a), yci_yarn_wrap_term(r[0], 0.0, 0.0, e, -c, e, b);
+    yci_yarn_wrap_term(r[1], 1.0, 0.0, e, -1.0, e, e);
+    yci_yarn_wrap_term(r[2], c, s, e, -c, e, e);
+    for (int i = 0; i < 3; i++) {
+        for (int j = i; j < 3; j++) {
+            if (i < 2 && j < 2) yci_yarn_wrap_term(m[i][j], 0.0, 0.0, e, 1.0, i ? e : a, j ? e : a);
+            if (i != 1 && j != 1) yci_yarn_wrap_term(m[i][j], 0.0, 0.0, e, 1.0, i ? e : b, j ? e : b);
+            for (int p = 0; p < 3; p++) yci_yarn_wrap_term(m[i][j], 0.0, 0.0, e, 1.0, r[i] + 3 * p, r[j] + 3 * p);
+        }
+    }
+}
+
+/* k = k_w L */
+YC_FN double yci_yarn_wrap(const double *q, double k, double psi_0, double *g, double *h, int projected) {
+    static const int from[3] = {0, 0, 1}, to[3] = {1, 2, 3};
+    double x_axis[3] = {1.0, 0.0, 0.0}, unit[3][3], inverse[3], slope[3][3], fall[3], m[3][3][9], gap[3];
+    double c = cos(psi_0), s = sin(psi_0), alpha, beta, *e = unit[0], *a = unit[1], *b = unit[2];
+    for (int i = 0; i < 3; i++) {
+        yci_sub(unit[i], q + 3 * to[i], q + 3 * from[i]);
+        inverse[i] = 1.0 / yci_max(yci_normalize(unit[i], x_axis), YCI_YARN_SHORTEST);
+    }
+    alpha = yci_dot(a, e), beta = yci_dot(b, e);
+    yci_cross(slope[0], a, b), yci_scale(slope[0], slope[0], -s), yci_axpy(slope[0], -c * beta, a);
+    yci_axpy(slope[0], -c * alpha, b);
+    yci_cross(slope[1], e, b), yci_scale(slope[1], slope[1], s), yci_axpy(slope[1], c, b);
+    yci_axpy(slope[1], -c * beta, e);
+    yci_cross(slope[2], a, e), yci_scale(slope[2], slope[2], s), yci_axpy(slope[2], c, a);
+    yci_axpy(slope[2], -c * alpha, e);
+    yci_copy(gap, a), yci_axpy(gap, -alpha, e), yci_add(gap, gap, slope[1]);
+    for (int i = 0; i < 3; i++) fall[i] = yci_dot(slope[i], unit[i]), yci_axpy(slope[i], -fall[i], unit[i]);
+    if (g) yci_zero(g, 12);
+    for (int i = 0; i < 3 && g; i++) {
+        yci_axpy(g + 3 * to[i], k * inverse[i], slope[i]), yci_axpy(g + 3 * from[i], -k * inverse[i], slope[i]);
+    }
+    if (h) {
+        yci_zero(h, 144);
+        yci_yarn_wrap_blocks(m, unit, c, s, fall, projected);
+    }
+    for (int p = 0; p < 9 && h; p++) {
+        int i = yci_min_int(p / 3, p % 3), j = p / 3 + p % 3 - i;
+        double scale = k * inverse[i] * inverse[j], *block = m[i][j];
+        if (i == p / 3) { /* tangential to both, and the turn of a vector's own length */
+            for (int x = 0; x < 3; x++) yci_axpy(block + 3 * x, -yci_dot(block + 3 * x, unit[j]), unit[j]);
+            for (int y = 0; y < 3; y++) {
+                double along = unit[i][0] * block[y] + unit[i][1] * block[3 + y] + unit[i][2] * block[6 + y];
+                for (int x = 0; x < 3; x++) block[3 * x + y] -= along * unit[i][x];
+            }
+            if (i == j && !projected) {
+                yci_yarn_wrap_term(block, 0.0, 0.0, e, -1.0, unit[i], slope[i]);
+                yci_yarn_wrap_term(block, 0.0, 0.0, e, -1.0, slope[i], unit[i]);
+            }
+        }
+        for (int z = 0; z < 36; z++) {
+            int x = z / 3 % 3, y = z % 3, row = z / 18 ? to[p / 3] : from[p / 3],
+                column = z / 9 % 2 ? to[p % 3] : from[p % 3];
+            double v = scale * (i == p / 3 ? block[3 * x + y] : block[3 * y + x]);
+            h[12 * (3 * row + x) + 3 * column + y] += z / 18 == z / 9 % 2 ? v : -v;
+        }
+    }
+    return 0.5 * k * (yci_dot(gap, gap) + alpha * alpha + beta * beta);
+}
+
 /* -- compression --------------------------------------------------------------------------------------------------- */
 
 /* Force in N of one yarn on its offset centre line at the middle one of five visits: tension of the two segments there
@@ -8778,6 +8873,41 @@ YC_FN void yci_yarn_crossing_force(
 /* Compression lambda >= 0 in N of two yarns under these forces, the unit normal n pointing from low to high. */
 YC_FN double yci_yarn_compression(const double *low, const double *high, const double *n) {
     return yci_max(0.0, 0.5 * (yci_dot(low, n) - yci_dot(high, n)));
+}
+
+/* The same for a stack of n yarns, low to high, n - 1 contacts with normals n_i from yarn i to i + 1 (YARN 4.3, eq. 3):
+ * with load_i = u_i.F_i, below_i = u_i.n_(i-1), above_i = u_i.n_i, u_i the mean of a yarn's normals, lambda >= 0
+ * minimises the sum of (load_i + below_i lambda_(i-1) - above_i lambda_i)^2. Its normal matrix is tridiagonal, positive
+ * definite and has no positive entry beside the diagonal, so that the set of pressed contacts only grows: those that
+ * stick at lambda = 0 are added until none is left (Chandrasekaran 1970). Exact after n - 1 rounds at most; the closed
+ * form of YARN (4) is that for two yarns alone. */
+#define YCI_STACK 8 /* yarns at most */
+
+YC_FN void yci_yarn_stack_compression(
+    double *lambda, int n, const double *load, const double *below, const double *above) {
+    double pivot[YCI_STACK], side[YCI_STACK];
+    int pressed[YCI_STACK] = {0}, grown = 1;
+    yci_zero(lambda, n - 1);
+    while (grown) {
+        grown = 0;
+        for (int i = 0; i + 1 < n; i++) { /* equilibrium of contact i, all others as they are */
+            double slack =
+                above[i] * (load[i] - above[i] * lambda[i]) - below[i + 1] * (load[i + 1] + below[i + 1] * lambda[i]);
+            if (i > 0) slack += above[i] * below[i] * lambda[i - 1];
+            if (i + 2 < n) slack += below[i + 1] * above[i + 1] * lambda[i + 1];
+            if (!pressed[i] && slack > 0.0) pressed[i] = grown = 1;
+        }
+        for (int i = 0; i + 1 < n && grown; i++) { /* elimination, then back */
+            double beside = i > 0 && pressed[i - 1] ? -below[i] * above[i] / pivot[i - 1] : 0.0;
+            pivot[i] = above[i] * above[i] + below[i + 1] * below[i + 1],
+            side[i] = above[i] * load[i] - below[i + 1] * load[i + 1];
+            if (beside != 0.0) pivot[i] += beside * below[i] * above[i], side[i] -= beside * side[i - 1];
+        }
+        for (int i = n - 2; i >= 0 && grown; i--) {
+            double after = i + 2 < n ? below[i + 1] * above[i + 1] * lambda[i + 1] : 0.0;
+            lambda[i] = pressed[i] ? (side[i] + after) / pivot[i] : 0.0;
+        }
+    }
 }
 
 /* -- kinetic ------------------------------------------------------------------------------------------------------- */

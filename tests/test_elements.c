@@ -161,6 +161,9 @@ static double elements_floor(const double *p, const double *q, double *g, double
     (void)projected;
     return yci_yarn_floor(q, p[0], p[1], g, h);
 }
+static double elements_wrap(const double *p, const double *q, double *g, double *h, int projected) {
+    return yci_yarn_wrap(q, p[0], p[1], g, h, projected);
+}
 static double elements_friction(const double *p, const double *q, double *g, double *h, int projected) {
     return yci_yarn_friction(q[0], p[0], p[1], p[2], g, h, projected);
 }
@@ -557,6 +560,108 @@ TEST(yarn_compression) {
     highs[1] = NULL, highs[3] = high[3];
     yci_yarn_crossing_force(up, highs, k, 1e-9, 0.0);
     CHECK(fabs(up[2] + 0.5 * pull) < 1e-12 * pull && up[0] > 0.0);
+}
+
+/* A contact along x, with tails at angles `a` and `b` to it, turned by psi about it. */
+static void elements_contact_of(double *q, double size, double a, double b, double psi) {
+    yci_zero(q, 12);
+    q[3] = 0.4;
+    q[6] = 0.7 * cos(a), q[7] = 0.7 * sin(a);
+    q[9] = 0.4 + 0.6 * cos(b), q[10] = -0.6 * sin(b) * cos(psi), q[11] = 0.6 * sin(b) * sin(psi);
+    for (int i = 0; i < 12; i++) q[i] *= size;
+    elements_move(q, 4, size);
+}
+
+TEST(yarn_wrap) {
+    /* Near the axis, across it, folded back; flat, wrapped, folded over. */
+    static const double tilt[4] = {1e-3, 0.7, 0.5 * YCI_PI, 2.6}, psi[5] = {0.0, 1.4, -1.3, 3.1, -3.1};
+    elements_state = 5;
+    for (int trial = 0; trial < 160; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, a = tilt[trial / 2 % 4], b = tilt[trial / 8 % 4], turn = psi[trial / 32];
+        double q[12], p[2], h[144], e;
+        p[0] = 2.0, p[1] = trial % 3 ? 0.5 * YCI_PI : -0.9;
+        elements_contact_of(q, size, a, b, turn);
+        e = p[0] * (1.0 - sin(a) * sin(b) * cos(turn - p[1]));
+        CHECK(fabs(yci_triangle_hinge_strain(q) - turn) < 1e-12);
+        CHECK(fabs(elements_wrap(p, q, NULL, NULL, 0) - e) < 1e-14 * p[0]);
+        CHECK(elements_differences(elements_wrap, p, 12, q, size, 1e-3 * size, 1e-9));
+        CHECK(elements_invariant(elements_wrap, p, 12, 4, q, size));
+        elements_wrap(p, q, NULL, h, 1);
+        CHECK(elements_semidefinite(h, 12));
+    }
+    /* At rest, wrapped and tails across the axis, the projected form is exact; and as stiff as the literal one. */
+    for (int trial = 0; trial < 8; trial++) {
+        double q[12], p[4] = {2.0, 0.0, 0.0, 0.0}, h[144], exact[144], hinge[144], along[12], axis[3], tail[3];
+        double form[2] = {0.0, 0.0};
+        p[1] = 0.4 * trial - 1.5;
+        elements_contact_of(q, 0.3, 0.5 * YCI_PI, 0.5 * YCI_PI, p[1]);
+        CHECK(fabs(elements_wrap(p, q, along, NULL, 0)) < 1e-15 && elements_largest(along, 12) < 1e-13);
+        elements_wrap(p, q, NULL, h, 1), elements_wrap(p, q, NULL, exact, 0), elements_hinge(p, q, NULL, hinge, 0);
+        CHECK(elements_distance(h, exact, 144) <= 1e-13 * elements_largest(exact, 144));
+        yci_zero(along, 12); /* a turn of one tail about the axis */
+        yci_sub(axis, q + 3, q), yci_sub(tail, q + 6, q), yci_cross(along + 6, axis, tail);
+        for (int i = 0; i < 144; i++) {
+            form[0] += along[i / 12] * h[i] * along[i % 12], form[1] += along[i / 12] * hinge[i] * along[i % 12];
+        }
+        CHECK(form[0] > 0.0 && fabs(form[0] - form[1]) < 1e-12 * form[0]);
+    }
+    /* Nothing is NaN where tails have no length or lie in the axis. */
+    for (int trial = 0; trial < 4; trial++) {
+        double q[12], g[12], h[144];
+        elements_contact_of(q, 1e-3, trial == 0 ? 0.0 : 1.0, trial == 1 ? YCI_PI : 1.0, 0.3);
+        if (trial == 2) yci_copy(q + 6, q);
+        if (trial == 3) yci_copy(q + 3, q);
+        for (int projected = 0; projected < 2; projected++) {
+            CHECK(yci_yarn_wrap(q, 1.0, 0.5 * YCI_PI, g, h, projected) >= 0.0);
+            CHECK(elements_finite(g, 12) && elements_finite(h, 144));
+        }
+    }
+}
+
+/* Half the sum of squares that compression minimises. */
+static double elements_stack(
+    const double *lambda, int n, const double *load, const double *below, const double *above) {
+    double sum = 0.0;
+    for (int i = 0; i < n; i++) {
+        double f = load[i] + (i ? below[i] * lambda[i - 1] : 0.0) - (i + 1 < n ? above[i] * lambda[i] : 0.0);
+        sum += 0.5 * f * f;
+    }
+    return sum;
+}
+
+TEST(yarn_stack_compression) {
+    static const double example[3] = {1.0, -1.0, 1.0}, two[2] = {3.0, -1.0};
+    double ones[YCI_STACK], lambda[YCI_STACK];
+    for (int i = 0; i < YCI_STACK; i++) ones[i] = 1.0;
+    yci_yarn_stack_compression(lambda, 3, example, ones, ones); /* the closed form of YARN (4) gives 4/3, 2/3 */
+    CHECK(fabs(lambda[0] - 1.0) < 1e-15 && lambda[1] == 0.0);
+    yci_yarn_stack_compression(lambda, 2, two, ones, ones);
+    CHECK(fabs(lambda[0] - 2.0) < 1e-15);
+    elements_state = 9;
+    for (int trial = 0; trial < 400; trial++) {
+        int n = 2 + trial % (YCI_STACK - 1);
+        double load[YCI_STACK], below[YCI_STACK], above[YCI_STACK], least;
+        for (int i = 0; i < n; i++) {
+            load[i] = elements_random(-1.0, 1.0), below[i] = elements_random(0.6, 1.0),
+            above[i] = elements_random(0.6, 1.0);
+        }
+        yci_yarn_stack_compression(lambda, n, load, below, above);
+        least = elements_stack(lambda, n, load, below, above);
+        for (int i = 0; i + 1 < n; i++) { /* the conditions of Karush, Kuhn and Tucker */
+            double f[2], force;
+            for (int k = 0; k < 2; k++) {
+                int y = i + k;
+                f[k] = load[y] + (y ? below[y] * lambda[y - 1] : 0.0) - (y + 1 < n ? above[y] * lambda[y] : 0.0);
+            }
+            force = below[i + 1] * f[1] - above[i] * f[0];
+            CHECK(lambda[i] >= 0.0 && force > -1e-13 && fabs(force * lambda[i]) < 1e-13);
+        }
+        for (int move = 0; move < 20; move++) { /* and nothing near by is less */
+            double other[YCI_STACK];
+            for (int i = 0; i + 1 < n; i++) other[i] = yci_max(0.0, lambda[i] + elements_random(-0.1, 0.1));
+            CHECK(elements_stack(other, n, load, below, above) >= least - 1e-14);
+        }
+    }
 }
 
 TEST(yarn_inertia) {
