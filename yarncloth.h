@@ -291,17 +291,20 @@ YC_API void yc_chol_destroy(yc_chol *chol);
 /* A yarn. Stretch and bending are separate inputs: a solid rod of the same thickness is 30 to 100 times stiffer in
  * bending than a real yarn. Defaults: a 15 tex cotton yarn of a shirting. All values finite. */
 typedef struct yc_yarn_material {
-    double stretch;     /* EA, N; > 0; default 50 */
-    double bending;     /* EI, N m^2; >= 0; default 3e-9 */
-    double density;     /* kg/m (1 tex = 1e-6 kg/m), > 0; default 15e-6. It carries the factor 1 + crimp: see below */
-    double radius;      /* m, > 0; default 72e-6 */
-    double shear;       /* k_x, N: resistance of a crossing against turning; >= 0; default 4e-3 */
+    double stretch; /* EA, N; > 0; default 50 */
+    double bending; /* EI, N m^2; >= 0; default 3e-9 */
+    double density; /* kg/m (1 tex = 1e-6 kg/m), > 0; default 15e-6. It carries the factor 1 + crimp: see below */
+    double radius;  /* m, > 0; default 72e-6 */
+    /* k_x, N: resistance of a crossing against turning, where its yarns lie on other sides of each other than at all
+     * neighbouring crossings; in proportion less on floats; >= 0; default 4e-3 */
+    double shear;
     double shear_limit; /* rad from the rest angle at which neighbouring yarns jam; (0, pi/2]; default 0.9 */
     double contact;     /* k_c, N: resistance of neighbouring parallel yarns pressed together; >= 0; default 1 */
     double friction;    /* Coulomb coefficient between crossing yarns; [0, 10]; default 0.3 */
     double slide;       /* k_f, N/m: stiffness of the anchored friction spring; > 0; default 100 */
     /* N: what presses the yarns of a crossing together at rest, as weaving and finishing leave it; the mean of both
-     * yarns counts, and friction of sliding and of turning adds it to what the state gives; >= 0; default 0 */
+     * yarns counts, less on floats like `shear`, and friction of sliding and of turning adds it to what the state
+     * gives; >= 0; default 0 */
     double preload;
     /* N m^2: EI of the undulation of a crimped yarn. Another value than `bending` only where a yarn stands for several;
      * > 0; default 3e-9. Not used without crimp */
@@ -459,7 +462,7 @@ YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char
 YC_API void yc_yarns_destroy(yc_yarns *yarns);
 
 /* The triangle material that stretches, shears, bends and weighs like the weave does when straight: stretch EA/spacing,
- * shear 4 k_x/spacing summed over both families' halves, bending EI/spacing, density as laid, which with crimp is that
+ * shear 4 k_x/spacing summed over both families' halves, times the share of places where yarns change sides, bending EI/spacing, density as laid, which with crimp is that
  * of (1 + crimp) times the length. Stretch knows of no crimp. Where there is an order, the mean of its materials
  * counts. desc is not checked. */
 YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc);
@@ -6184,6 +6187,25 @@ YC_API yc_weave_desc yc_weave_desc_default(void) {
     return d;
 }
 
+static const unsigned char yci_draft_tabby[4] = {1, 0, 0, 1};
+
+/* The share of a family's spacings over which its yarns change sides, in a draft of n columns and rows. */
+static double yci_weave_changes(const unsigned char *draft, const int n[2], int family) {
+    int r, c, changes = 0;
+    for (r = 0; r < n[1]; r++)
+        for (c = 0; c < n[0]; c++) {
+            int next = family == YC_WARP ? (r + 1) % n[1] * n[0] + c : r * n[0] + (c + 1) % n[0];
+            changes += !draft[r * n[0] + c] != !draft[next];
+        }
+    return (double)changes / n[0] / n[1];
+}
+
+/* The length of a yarn where it changes sides, in spacings; 1 where none does. */
+static double yci_weave_length(const unsigned char *draft, const int n[2], int family, double crimp) {
+    double changes = yci_weave_changes(draft, n, family);
+    return changes > 0.0 ? 1.0 + crimp / changes : 1.0;
+}
+
 /* A family's yarns, with what yc_weave_material needs of them averaged over their order. */
 static yc_yarn_material yci_weave_mean(const yc_weave_desc *d, int family) {
     yc_yarn_material mean = family == YC_WARP ? d->warp : d->weft;
@@ -6201,12 +6223,15 @@ static yc_yarn_material yci_weave_mean(const yc_weave_desc *d, int family) {
 YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc) {
     yc_yarn_material warp = yci_weave_mean(desc, YC_WARP), weft = yci_weave_mean(desc, YC_WEFT);
     yc_triangle_material m;
-    double s0 = desc->spacing[0], s1 = desc->spacing[1];
+    const unsigned char *draft = desc->draft ? desc->draft : yci_draft_tabby;
+    double s0 = desc->spacing[0], s1 = desc->spacing[1], bind = 0.0;
+    int f, tabby[2] = {2, 2};
+    for (f = 0; f < 2; f++) bind += 0.5 * yci_weave_changes(draft, desc->draft ? desc->repeat : tabby, f);
     m.density = warp.density * (1.0 + desc->crimp[YC_WARP]) / s0 + weft.density * (1.0 + desc->crimp[YC_WEFT]) / s1;
     m.stretch[0] = weft.stretch / s1, m.stretch[1] = warp.stretch / s0;
     m.coupling = 0.0;
     /* A crossing pays 1/2 k L phi^2 for each of its four pairs of segments, L the mean spacing, on an area of s0 s1. */
-    m.shear = 4.0 * 0.5 * (warp.shear + weft.shear) * 0.5 * (s0 + s1) / (s0 * s1);
+    m.shear = bind * 4.0 * 0.5 * (warp.shear + weft.shear) * 0.5 * (s0 + s1) / (s0 * s1);
     m.bending = 0.5 * (warp.bending / s0 + weft.bending / s1);
     return m;
 }
@@ -7301,16 +7326,7 @@ static yc_result yci_weave_finish(yci_weaver *w, int on_mesh, yc_yarns *out) {
 
 /* How far a family's yarns pass from their crossings: see Crimp at the chapter's head. */
 static double yci_weave_height(const yci_weaver *w, int family) {
-    const int *n = w->repeat;
-    int r, c, turns = 0;
-    double length;
-    for (r = 0; r < n[1]; r++)
-        for (c = 0; c < n[0]; c++) {
-            int next = family == YC_WARP ? (r + 1) % n[1] * n[0] + c : r * n[0] + (c + 1) % n[0];
-            turns += !w->draft[r * n[0] + c] != !w->draft[next];
-        }
-    if (!turns) return 0.0;
-    length = 1.0 + w->desc->crimp[family] * n[0] * n[1] / turns; /* where the yarn changes sides, in spacings */
+    double length = yci_weave_length(w->draft, w->repeat, family, w->desc->crimp[family]);
     return 0.5 * w->desc->spacing[!family] * sqrt((length * length - 1.0) / YCI_CRIMP_KAPPA);
 }
 
@@ -7334,7 +7350,6 @@ static yc_result yci_weave_lay(yci_weaver *w, int on_mesh, yc_yarns *out) {
 }
 
 static yc_result yci_weave_run(yci_context *c, const yc_weave_desc *desc, const yc_mesh *mesh, yc_yarns *out) {
-    static const unsigned char plain[4] = {1, 0, 0, 1};
     static const int halves[2][3] = {{0, 1, 2}, {0, 2, 3}};
     double corners[4][2], positions[4][3];
     yc_weave_desc bundled;
@@ -7360,7 +7375,7 @@ static yc_result yci_weave_run(yci_context *c, const yc_weave_desc *desc, const 
     bundled.spacing[0] *= desc->bundle, bundled.spacing[1] *= desc->bundle;
     w.c = c, w.desc = &bundled, w.mesh = mesh ? mesh : &rectangle;
     w.uvt = w.mesh->uv_triangles ? w.mesh->uv_triangles : w.mesh->triangles;
-    w.draft = desc->draft ? desc->draft : plain;
+    w.draft = desc->draft ? desc->draft : yci_draft_tabby;
     w.repeat[0] = desc->draft ? desc->repeat[0] : 2, w.repeat[1] = desc->draft ? desc->repeat[1] : 2;
     w.turn[0] = cos(desc->grain), w.turn[1] = sin(desc->grain);
     for (k = 0; k < 2; k++) w.height[k] = yci_weave_height(&w, k);
@@ -8162,7 +8177,29 @@ static yc_result yci_yarn_check(yci_context *c, const yc_yarn_desc *d) {
     return YC_OK;
 }
 
-/* The material of a yarn that was checked. */
+#define YCI_TRANSVERSE_SHEAR \
+    5e6 /* Pa, of a yarn across its fibres: twist is all that holds them; within a factor of 2 */
+#define YCI_WEAVING_TENSION 1e-2 /* N/tex; on looms 0.005 to 0.015 */
+#define YCI_FINISHED 0.05        /* what washing, heat and rest leave of the forces of weaving; an order of magnitude */
+#define YCI_FRICTION_REACH 0.015 /* radii a yarn moves before friction gives way, see yci_yarn_make */
+
+/* k_x, N, of yarns of a radius whose crossings are `spacing` apart: two elastic bodies that touch on a disc of their
+ * radius, and turn on each other by an angle, resist by (8/3) G radius^3 (Reissner and Sagoci 1944), which are four
+ * pairs of neighbouring segments of k_x spacing each. */
+static double yci_yarn_shear_of(double radius, double spacing) {
+    return 2.0 / 3.0 * YCI_TRANSVERSE_SHEAR * radius * radius * radius / spacing;
+}
+
+/* What presses yarns together where they bend round each other: 2 T times the slope (Peirce 1937), of the tension that
+ * they are woven with, less what finishing relaxes. `length` is that of a yarn from crest to trough, in spacings, which
+ * with the height of chapter fabric gives the slope sqrt(kappa (length^2 - 1)) / length. */
+static double yci_yarn_preload_of(double tex, double length) {
+    return YCI_FINISHED * 2.0 * YCI_WEAVING_TENSION * tex * sqrt(YCI_CRIMP_KAPPA * (length * length - 1.0)) / length;
+}
+
+/* The material of a yarn that was checked. Friction gives way after 0.015 radii, when the yarns of a crossing have
+ * turned by 2/3 of that, 0.6 degrees: cloth in shear is stiff at first and yields within the first degree (Grosberg and
+ * Park 1966), and its loop is open where it is measured, half a degree from the middle. */
 static yc_yarn_material yci_yarn_make(const yc_yarn_desc *desc) {
     yc_yarn_material m = yc_yarn_material_default();
     yc_yarn_desc d = yci_yarn_resolve(desc);
@@ -8172,10 +8209,10 @@ static yc_yarn_material yci_yarn_make(const yc_yarn_desc *desc) {
     m.bending = d.tex * d.fibre_tex * yci_fibre_values[d.fibre].rigidity * d.bending_factor * 1e-9;
     m.crimp_bending = m.bending;
     m.friction = yci_fibre_values[d.fibre].friction;
-    /* In proportion to the count, from a shirting of 15 tex; with 4 k_x / spacing this gives the measured shear of
-     * linen and denim, too. Friction lets go after a fifth of the radius. */
-    m.shear = d.tex * (4e-3 / 15.0), m.contact = d.tex / 15.0, m.preload = d.tex * (5e-3 / 15.0);
-    m.slide = m.friction * m.preload / (0.2 * m.radius);
+    m.contact = d.tex / 15.0;
+    /* As in a shirting, whose crossings are 4.5 radii apart and whose yarns are 7 % longer than the cloth. */
+    m.shear = yci_yarn_shear_of(m.radius, 4.5 * m.radius), m.preload = yci_yarn_preload_of(d.tex, 1.07);
+    m.slide = m.friction * m.preload / (YCI_FRICTION_REACH * m.radius);
     return m;
 }
 
@@ -8198,7 +8235,6 @@ typedef struct {
     double loop;           /* mm; 0: woven */
     double crimp[2];       /* percent */
     double bending_factor; /* of the yarns */
-    double shear;          /* k_x over that of yc_yarn_material_make */
     const unsigned char *draft;
     double mass[2];        /* g/m^2 */
     double bending[2][2];  /* uN m */
@@ -8217,36 +8253,36 @@ static const yci_fabric_row yci_fabric_rows[] = {
     {"cotton shirting",
         "Counts, threads and mass as in the trade; crimp, KES and drape ranges are typical textbook values, single "
         "fabrics differ by a factor of two.",
-        YC_FIBRE_COTTON, 0, {15, 15}, {34, 28}, 0, {7, 7}, 2.5, 1, NULL, {95, 130}, {{4, 12}, {4, 12}}, {34, 84},
-        {1, 3}, 490, {2, 6}, {45, 70}},
+        YC_FIBRE_COTTON, 0, {15, 15}, {34, 28}, 0, {7, 7}, 2.5, NULL, {95, 130}, {{4, 12}, {4, 12}}, {34, 84}, {1, 3},
+        490, {2, 6}, {45, 70}},
     {"linen plain",
         "Counts, threads and mass typical of medium linens; bending, crimp and KES ranges are orders of magnitude.",
-        YC_FIBRE_LINEN, 0, {50, 50}, {16, 14}, 0, {5, 5}, 2.5, 1, NULL, {150, 190}, {{20, 60}, {20, 60}}, {40, 110},
+        YC_FIBRE_LINEN, 0, {50, 50}, {16, 14}, 0, {5, 5}, 2.5, NULL, {150, 190}, {{20, 60}, {20, 60}}, {40, 110},
         {1.5, 5}, 490, {2, 5}, {60, 85}},
     {"denim 3/1 twill",
         "Counts, threads and mass of a 12 oz denim as in the trade; crimp, KES and drape ranges are typical textbook "
         "values, single fabrics differ by a factor of two.",
-        YC_FIBRE_COTTON, 4, {84, 75}, {25, 17}, 0, {11, 3.5}, 2.5, 1, yci_draft_denim, {320, 480},
-        {{40, 120}, {20, 60}}, {110, 280}, {4, 10}, 490, {2, 8}, {80, 95}},
+        YC_FIBRE_COTTON, 4, {84, 75}, {25, 17}, 0, {11, 3.5}, 2.5, yci_draft_denim, {320, 480}, {{40, 120}, {20, 60}},
+        {110, 280}, {4, 10}, 490, {2, 8}, {80, 95}},
     {"polyester satin",
         "A five-end satin of flat filament yarn, counts and threads typical; KES and drape ranges are typical textbook "
         "values, single fabrics differ by a factor of two.",
-        YC_FIBRE_POLYESTER, 5, {8.3, 8.3}, {80, 38}, 0, {3, 2}, 1.25, 0.45, yci_draft_satin, {80, 120},
-        {{2, 6}, {2, 6}}, {14, 28}, {0.3, 1}, 490, {2, 8}, {15, 35}},
+        YC_FIBRE_POLYESTER, 5, {8.3, 8.3}, {80, 38}, 0, {3, 2}, 1.25, yci_draft_satin, {80, 120}, {{2, 6}, {2, 6}},
+        {14, 28}, {0.3, 1}, 490, {2, 8}, {15, 35}},
     {"cotton single jersey",
         "Loop length and count as in the trade, wales and courses near the dry-relaxed ones of Munden 1959; KES and "
         "drape ranges are typical textbook values.",
-        YC_FIBRE_COTTON, 0, {20, 20}, {14.8, 19.3}, 2.8, {0, 0}, 2.5, 1, NULL, {140, 180}, {{1, 5}, {1, 5}}, {22, 45},
+        YC_FIBRE_COTTON, 0, {20, 20}, {14.8, 19.3}, 2.8, {0, 0}, 2.5, NULL, {140, 180}, {{1, 5}, {1, 5}}, {22, 45},
         {1.5, 4}, 49, {10, 40}, {15, 35}},
     {"wool rib 1x1",
         "Yarn 2/28 Nm and loop length typical, wales and courses from the fully relaxed ones of Munden 1959 for "
         "plain knitting; KES and drape ranges are orders of magnitude.",
-        YC_FIBRE_WOOL, 0, {71, 71}, {7.6, 10}, 5.5, {0, 0}, 2.5, 1, NULL, {250, 320}, {{10, 40}, {10, 40}}, {28, 56},
+        YC_FIBRE_WOOL, 0, {71, 71}, {7.6, 10}, 5.5, {0, 0}, 2.5, NULL, {250, 320}, {{10, 40}, {10, 40}}, {28, 56},
         {2, 5}, 49, {40, 100}, {20, 45}},
     {"wool stockinette",
         "DK yarn at the gauge of its label; bending is an order of magnitude, KES and drape values are not known.",
-        YC_FIBRE_WOOL, 0, {440, 440}, {2.2, 3}, 19, {0, 0}, 2.5, 1, NULL, {450, 600}, {{0, 0}, {0, 0}}, {0, 0}, {0, 0},
-        0, {0, 0}, {0, 0}}};
+        YC_FIBRE_WOOL, 0, {440, 440}, {2.2, 3}, 19, {0, 0}, 2.5, NULL, {450, 600}, {{0, 0}, {0, 0}}, {0, 0}, {0, 0}, 0,
+        {0, 0}, {0, 0}}};
 
 static void yci_fabric_range(double out[2], const double in[2], double unit) {
     out[0] = in[0] * unit, out[1] = in[1] * unit;
@@ -8266,7 +8302,6 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
     for (f = 0; f < 2; f++) {
         yarn.tex = row->tex[f], yarn.bending_factor = row->bending_factor;
         yarns[f] = yci_yarn_make(&yarn);
-        yarns[f].shear *= row->shear;
         yci_fabric_range(out->bending[f], row->bending[f], 1e-6);
     }
     weave = &out->weave, *weave = yc_weave_desc_default();
@@ -8276,6 +8311,13 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
         for (f = 0; f < 2; f++) {
             weave->spacing[f] = 0.01 / row->per_cm[f], weave->crimp[f] = 0.01 * row->crimp[f];
             if (row->repeat) weave->repeat[f] = row->repeat;
+        }
+        for (f = 0; f < 2; f++) { /* what the crossings are like in this weave */
+            const unsigned char *draft = row->draft ? row->draft : yci_draft_tabby;
+            yc_yarn_material *m = f ? &weave->weft : &weave->warp;
+            m->shear = yci_yarn_shear_of(m->radius, 0.5 * (weave->spacing[0] + weave->spacing[1]));
+            m->preload = yci_yarn_preload_of(row->tex[f], yci_weave_length(draft, weave->repeat, f, weave->crimp[f]));
+            m->slide = m->friction * m->preload / (YCI_FRICTION_REACH * m->radius);
         }
     } else {
         out->yarn = yarns[0], out->loop = 1e-3 * row->loop;
@@ -12491,6 +12533,7 @@ static int yci_build_segment(const yci_build *b, int yarn, int a) {
 /* The two visits of a crossing: of the other yarn at a node, and both yarns' numbers. Filled once per cloth. */
 typedef struct yci_crossing {
     int visit[2], yarn[2], count, rub;
+    double bind; /* see yci_build_bind */
 } yci_crossing;
 
 /* The kink of a yarn at rest. */
@@ -12604,7 +12647,7 @@ static int yci_build_shear(const yci_build *b, const yci_crossing *crossing, int
         for (k = 0; k < 3; k++) e->node[k] = b->cloth->node + node_of[k];
         yci_sub(e1, q9 + 3, q9), yci_sub(e2, q9 + 6, q9);
         e->length = 0.5 * (yci_norm(e1) + yci_norm(e2));
-        e->stiffness = yci_raise(alpha) * 0.5 * (p->shear + q->shear),
+        e->stiffness = yci_raise(alpha) * here->bind * 0.5 * (p->shear + q->shear);
         e->limit = yci_min(p->shear_limit, q->shear_limit);
         e->rest = yci_yarn_shear_strain(q9), e->previous = e->rest;
         if (!b->s->rubs) continue;
@@ -12665,12 +12708,29 @@ static void yci_build_heights(const yci_build *b, const yci_crossing *crossing) 
     }
 }
 
+/* What share of the neighbouring crossings, on both yarns, the yarns of one lie on other sides of each other. Where a
+ * yarn changes sides it presses its partner with its tension times its slope, on a float it does not: so that share of
+ * preload, and of the resistance against turning, is left there. 1 at all crossings of a plain weave. */
+static double yci_build_bind(const yci_build *b, const yci_crossing *here) {
+    const yc_yarns *y = b->yarns;
+    int i, side, changes = 0, count = 0;
+    for (i = 0; i < 2; i++)
+        for (side = -1; side < 2; side += 2) {
+            int visit = here->visit[i], next = visit + side, way;
+            if (next < y->yarn_first[here->yarn[i]] || next >= y->yarn_first[here->yarn[i] + 1]) continue;
+            way = y->visit_layer[visit] * y->visit_layer[next];
+            count += way != 0, changes += way < 0;
+        }
+    return count ? (double)changes / count : 1.0;
+}
+
 /* The slides of a crossing, and its rub where it has friction: that of sliding and of turning. */
 static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
     const yc_yarn_material *p, *q;
     int i;
     here->rub = -1;
     if (here->count != 2 || b->m->role[b->cloth->node + node] == YCI_IDLE) return 1;
+    here->bind = yci_build_bind(b, here);
     p = yci_yarn_of(b, here->yarn[0]), q = yci_yarn_of(b, here->yarn[1]);
     if (p->friction + q->friction > 0.0) {
         yci_rub *e = YCI_PUSH(b, rub);
@@ -12678,7 +12738,7 @@ static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
         here->rub = b->m->rub_count - 1;
         for (i = 0; i < 2; i++) e->visit[i] = here->visit[i], e->yarn[i] = here->yarn[i];
         e->cloth = (int)(b->cloth - b->s->cloth), e->friction = 0.5 * (p->friction + q->friction);
-        e->preload = 0.5 * (p->preload + q->preload), e->limit = 0.0;
+        e->preload = here->bind * 0.5 * (p->preload + q->preload), e->limit = 0.0;
     }
     for (i = 0; i < 2; i++) {
         int visit = b->cloth->visit + here->visit[i];

@@ -88,8 +88,8 @@ TEST(fabric_mechanics_bias) {
 }
 
 /* Shear under tension: stiffness as the weave's material says and as is measured; a loop with friction that is as wide
- * as is measured once the springs let go within it, none without friction; and it is narrower in a satin of the same
- * yarns, whose crossings press less. */
+ * as is measured, none without friction; and it is narrower in a satin of the same yarns, which cross over in two
+ * places of five. */
 TEST(fabric_mechanics_shear) {
     yc_fabric f = shirting();
     scene_shear_desc d;
@@ -103,7 +103,7 @@ TEST(fabric_mechanics_shear) {
     CHECK_NEAR(loop.stiffness / yc_weave_material(&f.weave).shear, 0.93, 0.04); /* less at the border */
     CHECK_NEAR(loop.hysteresis, 0.0, 1e-3);
     CHECK_NEAR(loop.work, 0.0, 1e-3);
-    d.weave = f.weave, d.weave.warp.slide *= 20.0, d.weave.weft.slide *= 20.0;
+    d.weave = f.weave;
     if (!CHECK_RESULT(scene_shear_run(&d, &loop, NULL), YC_OK)) return;
     CHECK(within(loop.stiffness, f.shear));
     CHECK(within(loop.hysteresis, f.hysteresis));
@@ -112,8 +112,61 @@ TEST(fabric_mechanics_shear) {
     d.weave.draft = satin.over, d.weave.repeat[0] = satin.repeat[0], d.weave.repeat[1] = satin.repeat[1];
     d.weave.crimp[0] *= 0.4, d.weave.crimp[1] *= 0.4; /* as high over two crossings of five */
     if (CHECK_RESULT(scene_shear_run(&d, &satin_loop, NULL), YC_OK))
-        CHECK(satin_loop.hysteresis < 0.95 * loop.hysteresis && satin_loop.hysteresis > 0.5 * loop.hysteresis);
+        CHECK(satin_loop.hysteresis < 0.5 * loop.hysteresis && satin_loop.hysteresis > 0.35 * loop.hysteresis);
     yc_draft_destroy(&satin);
+}
+
+/* The work of the loop is what friction takes: twice its moment for every turn by an angle, the moment mu N (2/3) rho
+ * of what presses each crossing at rest: without tension the state adds little. */
+TEST(fabric_mechanics_loop) {
+    yc_fabric f = shirting();
+    scene_shear_desc d;
+    scene_shear_loop loop;
+    const yc_yarn_material *m = &f.weave.warp;
+    double moment = m->friction * m->preload * 2.0 / 3.0 * m->radius / (f.weave.spacing[0] * f.weave.spacing[1]), slack;
+    memset(&d, 0, sizeof d);
+    d.weave = f.weave, d.across = d.along = 10, d.angle = 8.0 * degree, d.steps = 16;
+    if (!CHECK_RESULT(scene_shear_run(&d, &loop, NULL), YC_OK)) return;
+    slack = 2.0 / 3.0 * m->friction * m->preload / (m->slide * m->radius); /* rad, before it yields */
+    CHECK_NEAR(slack, 0.01, 1e-6);
+    CHECK_NEAR(loop.hysteresis / (2.0 * moment), 1.0, 0.05);
+    CHECK_NEAR(loop.work / (4.0 * moment * (d.angle - slack)), 1.0, 0.05);
+}
+
+/* Weaves of the same yarns: they hold against turning where they change sides, at half of the places in a twill 2/2, at
+ * two of five in a satin; preload likewise. */
+TEST(fabric_mechanics_weaves) {
+    static const double share[] = {1.0, 0.5, 0.4};
+    yc_fabric f = shirting();
+    yc_draft draft[3];
+    double stiffness[3] = {0.0, 0.0, 0.0}, hysteresis[3] = {0.0, 0.0, 0.0};
+    int k, rough;
+    memset(draft, 0, sizeof draft);
+    CHECK_RESULT(yc_draft_plain(NULL, draft, NULL), YC_OK);
+    CHECK_RESULT(yc_draft_twill(NULL, 2, 2, 'Z', draft + 1, NULL), YC_OK);
+    CHECK_RESULT(yc_draft_satin(NULL, 5, 2, YC_WARP, draft + 2, NULL), YC_OK);
+    for (k = 0; k < 3; k++)
+        for (rough = 0; rough < 2; rough++) {
+            scene_shear_desc d;
+            scene_shear_loop loop;
+            memset(&d, 0, sizeof d);
+            d.weave = f.weave, d.weave.draft = draft[k].over;
+            d.weave.crimp[0] *= share[k], d.weave.crimp[1] *= share[k]; /* as high where they cross over */
+            d.weave.repeat[0] = draft[k].repeat[0], d.weave.repeat[1] = draft[k].repeat[1];
+            if (!rough) d.weave.warp.friction = d.weave.weft.friction = 0.0;
+            d.across = d.along = 20, d.angle = 4.0 * degree, d.steps = 8;
+            if (!CHECK_RESULT(scene_shear_run(&d, &loop, NULL), YC_OK)) continue;
+            if (rough) hysteresis[k] = loop.hysteresis;
+            else {
+                stiffness[k] = loop.stiffness;
+                CHECK_NEAR(loop.stiffness / yc_weave_material(&d.weave).shear, 0.96, 0.04);
+            }
+        }
+    for (k = 1; k < 3; k++) {
+        CHECK_NEAR(stiffness[k] / stiffness[0], share[k], 0.02);
+        CHECK_NEAR(hysteresis[k] / hysteresis[0], share[k], 0.03);
+    }
+    for (k = 0; k < 3; k++) yc_draft_destroy(draft + k);
 }
 
 /* The cantilever finds the rigidity that the yarns give, less what crimp makes them longer, for strips that reach out

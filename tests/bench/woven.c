@@ -16,13 +16,11 @@
  *   shear      between 0.5 and 2.5 degrees, and the loop's width at 0.5 degrees (2HG), of a loop to 8 degrees under a
  *              tension of 9.8 N/m, mean of both directions
  *   bending    by the cantilever, at an overhang of two bending lengths
- *   drape      of a disc of 30 cm on a support of 18 cm, of yarns in bundles and without crimp and friction: a
- *              bundle's moments of friction are too large (see yci_yarn_bundle). Two sizes of bundles
- * Under each fabric: 2HG once the friction springs are 20 times as stiff, so that they let go within the loop.
+ *   drape      of a disc of 30 cm on a support of 18 cm, of yarns in bundles and without crimp. Two sizes of bundles
  *
  * Weaves. Plain, twill 2/2 and five-end satin of a shirting's yarns, as high over their crossings as in the plain
- * weave, so that crimp is less the fewer there are. A goal for shear stiffness, one for the loop and one for bending:
- * satin gives most, plain least, in order.
+ * weave, so that crimp is less the fewer there are. A goal for shear stiffness, for the loop, for bending and for
+ * drape: satin gives most, plain least, in order.
  *
  * Speed. A square of plain weave of 1 mm, held by one edge, swings down from the horizontal, 1 ms a step, default
  * settings, after 60 ms in steps of 5 ms. Microseconds of processor time, on one thread, per crossing and step, the
@@ -130,7 +128,7 @@ static void report_tension(const yc_fabric *f) {
 
 static void report_shear(const yc_fabric *f) {
     char message[YC_MESSAGE_SIZE];
-    scene_shear_loop loop[2], stiff;
+    scene_shear_loop loop[2];
     yc_weave_desc w = f->weave;
     /* Whole repeats. Smaller, the border makes it soft; larger, a swatch of denim comes near buckling. */
     int n = repeat_of(&w) == 5 ? 10 : 12;
@@ -141,11 +139,6 @@ static void report_shear(const yc_fabric *f) {
         failed(f->name, "shear", message);
         count_goal(f->name, "shear stiffness", 0.0), count_goal(f->name, "shear loop, 2HG", 0.0);
     }
-    w.warp.slide *= 20.0, w.weft.slide *= 20.0;
-    if (shear(&w, 1, n, &stiff, message) == YC_OK) {
-        report_alone(f->name, "  G, stiff springs", stiff.stiffness, 1.0, "N/m");
-        report_alone(f->name, "  2HG, stiff springs", stiff.hysteresis, 1.0, "N/m");
-    } else failed(f->name, "  stiff springs", message);
 }
 
 static void report_bending(const yc_fabric *f) {
@@ -161,27 +154,35 @@ static void report_bending(const yc_fabric *f) {
     }
 }
 
-static void report_drape(const yc_fabric *f) {
-    char message[YC_MESSAGE_SIZE], what[64];
-    scene_drape_desc d = scene_drape_desc_default(&f->weave);
-    double mean = sqrt(f->weave.spacing[0] * f->weave.spacing[1]);
-    scene_drape drape;
-    int pass, family;
+/* In bundles of that width, m. No yarn slides here, so that only the moments of friction count: they should grow by
+ * bundle^2 like any energy of a crossing, and would by more (see yci_yarn_bundle). */
+static yc_result drape_of(const yc_weave_desc *weave, double width, int *bundle, scene_drape *out, char *message) {
+    scene_drape_desc d = scene_drape_desc_default(weave);
+    int family, k = (int)(width / sqrt(weave->spacing[0] * weave->spacing[1]) + 0.5);
     for (family = 0; family < 2; family++) {
         yc_yarn_material *m = family == YC_WARP ? &d.weave.warp : &d.weave.weft;
-        m->density *= 1.0 + d.weave.crimp[family], m->friction = 0.0, d.weave.crimp[family] = 0.0;
+        m->density *= 1.0 + d.weave.crimp[family], d.weave.crimp[family] = 0.0;
+        m->preload /= k, m->slide /= (double)k * k;
     }
+    d.weave.bundle = *bundle = k;
+    return scene_drape_run(&d, out, message);
+}
+
+static void report_drape(const yc_fabric *f) {
+    char message[YC_MESSAGE_SIZE], what[64];
+    scene_drape drape;
+    int pass, bundle;
     for (pass = quick; pass < 2; pass++) { /* the coarser one counts */
-        d.weave.bundle = (int)((pass ? 6.5e-3 : 4.6e-3) / mean + 0.5);
-        snprintf(what, sizeof what, pass ? "drape coefficient" : "  drape, %d as one", d.weave.bundle);
-        if (scene_drape_run(&d, &drape, message) != YC_OK) {
+        yc_result result = drape_of(&f->weave, pass ? 6.5e-3 : 4.6e-3, &bundle, &drape, message);
+        snprintf(what, sizeof what, pass ? "drape coefficient" : "  drape, %d as one", bundle);
+        if (result != YC_OK) {
             failed(f->name, what, message);
             if (pass) count_goal(f->name, what, 0.0);
             continue;
         }
         if (pass) report(f->name, what, drape.coefficient, f->drape, 0.01, "%");
         else report_alone(f->name, what, drape.coefficient, 0.01, "%");
-        say("%-17s  %d yarns as one, %d crossings, %d folds, still moving by %.1g %%\n", f->name, d.weave.bundle,
+        say("%-17s  %d yarns as one, %d crossings, %d folds, still moving by %.1g %%\n", f->name, bundle,
             drape.crossings, drape.folds, 100.0 * fabs(drape.drift));
     }
 }
@@ -228,7 +229,7 @@ static void order_goal(const char *what, const double value[3]) {
 static void run_weaves(void) {
     static const char *const name[] = {"plain", "twill 2/2", "satin 5"};
     static const double changes[] = {1.0, 0.5, 0.4}; /* of side, per crossing */
-    double stiffness[3], hysteresis[3], rigidity[3];
+    double stiffness[3], hysteresis[3], rigidity[3], coefficient[3];
     char message[YC_MESSAGE_SIZE];
     yc_draft draft[3];
     yc_fabric f;
@@ -238,17 +239,16 @@ static void run_weaves(void) {
         yc_draft_twill(NULL, 2, 2, 'Z', draft + 1, NULL) != YC_OK ||
         yc_draft_satin(NULL, 5, 2, YC_WARP, draft + 2, NULL) != YC_OK)
         return;
-    say("%-17s%12s%12s%12s%12s\n", "weave", "G, N/m", "2HG, N/m", "B, uN m", "crimp, %");
+    say("%-17s%12s%12s%12s%12s%12s\n", "weave", "G, N/m", "2HG, N/m", "B, uN m", "drape, %", "crimp, %");
     for (k = 0; k < 3; k++) {
         yc_weave_desc w = f.weave;
         scene_shear_loop loop[2];
         scene_cantilever bend[2];
-        double spacing[2];
-        int axis;
-        memcpy(spacing, w.spacing, sizeof spacing);
+        scene_drape drape;
+        int axis, bundle;
         w.draft = draft[k].over, w.repeat[0] = draft[k].repeat[0], w.repeat[1] = draft[k].repeat[1];
-        w.crimp[0] *= changes[k], w.crimp[1] *= changes[k], w.warp.slide *= 20.0, w.weft.slide *= 20.0;
-        stiffness[k] = hysteresis[k] = rigidity[k] = NAN;
+        w.crimp[0] *= changes[k], w.crimp[1] *= changes[k];
+        stiffness[k] = hysteresis[k] = rigidity[k] = coefficient[k] = NAN;
         for (axis = 0; axis < 2; axis++)
             if (shear(&w, axis, 20, loop + axis, message) != YC_OK ||
                 cantilever(&w, axis, 1, bend + axis, message) != YC_OK)
@@ -257,12 +257,14 @@ static void run_weaves(void) {
             stiffness[k] = 0.5 * (loop[0].stiffness + loop[1].stiffness);
             hysteresis[k] = 0.5 * (loop[0].hysteresis + loop[1].hysteresis);
             rigidity[k] = 0.5 * (bend[0].rigidity + bend[1].rigidity);
+            if (drape_of(&w, 6.5e-3, &bundle, &drape, message) == YC_OK) coefficient[k] = drape.coefficient;
+            else failed(name[k], "drape", message);
         } else failed(name[k], "", message);
-        say("%-17s%12.4g%12.4g%12.4g%12.3g\n", name[k], stiffness[k], hysteresis[k], 1e6 * rigidity[k],
-            100.0 * w.crimp[0]);
+        say("%-17s%12.4g%12.4g%12.4g%12.4g%12.3g\n", name[k], stiffness[k], hysteresis[k], 1e6 * rigidity[k],
+            100.0 * coefficient[k], 100.0 * w.crimp[0]);
     }
     order_goal("shear stiffness", stiffness), order_goal("shear loop, 2HG", hysteresis),
-        order_goal("bending", rigidity);
+        order_goal("bending", rigidity), order_goal("drape", coefficient);
     for (k = 0; k < 3; k++) yc_draft_destroy(draft + k);
     say("\n");
 }
