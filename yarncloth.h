@@ -12505,6 +12505,15 @@ static void yci_build_vertex_mass(const yci_build *b, int visit, double mass) {
     for (k = 0; k < 3; k++) b->m->mass_fixed[b->s->weld[b->cloth->vertex + v[k]]] += b->yarns->weights[node][k] * mass;
 }
 
+/* The rest length behind a visit as laid. Nodes that events made stand in the middle of their segments, again and again
+ * where a yarn is drawn out: what is between them counts as a pitch, however little of the layout it has left. */
+static double yci_build_laid(const yci_build *b, int yarn, int visit) {
+    const yc_yarns *y = b->yarns;
+    double du = y->visit_u[visit + 1] - y->visit_u[visit];
+    int made = y->visit_node[visit] >= b->cloth->laid_nodes || y->visit_node[visit + 1] >= b->cloth->laid_nodes;
+    return made ? yci_max(du, b->cloth->pitch[y->yarn_family[yarn]]) : du;
+}
+
 /* A segment with both nodes in the mechanics is an element; else its mass is the triangles'. */
 static int yci_build_segment(const yci_build *b, int yarn, int a) {
     const yc_yarn_material *material = yci_yarn_of(b, yarn);
@@ -12517,7 +12526,7 @@ static int yci_build_segment(const yci_build *b, int yarn, int a) {
         if (!e) return 0;
         e->a = b->cloth->visit + a, e->b = e->a + 1;
         e->stretch = alpha * material->stretch, e->density = alpha * material->density, e->previous = 0.0;
-        e->floor = 0.1 * (b->yarns->visit_u[a + 1] - b->yarns->visit_u[a]);
+        e->floor = 0.1 * yci_build_laid(b, yarn, a);
     }
     if (alpha < 1.0 && b->yarns->triangle) {
         int full_a = b->m->role[b->cloth->node + b->yarns->visit_node[a]] == YCI_FULL;
@@ -12539,10 +12548,11 @@ typedef struct yci_crossing {
 /* The kink of a yarn at rest. */
 static double yci_build_rest_kink(const yci_build *b, int yarn, int visit) {
     const yc_yarns *y = b->yarns;
-    double q[6];
+    double q[6] = {0.0};
     int k;
     if (visit <= y->yarn_first[yarn] || visit >= y->yarn_first[yarn + 1] - 1) return 0.0;
-    for (k = 0; k < 3; k++) q[k] = yci_visit_rise(y, visit + k - 1), q[3 + k] = y->visit_u[visit + k - 1];
+    for (k = 0; k < 3; k++) q[k] = yci_visit_rise(y, visit + k - 1);
+    for (k = 0; k < 2; k++) q[4 + k] = q[3 + k] + yci_build_laid(b, yarn, visit + k - 1);
     return yci_yarn_kink_strain(q);
 }
 
@@ -12598,7 +12608,7 @@ static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *cros
         }
         if (active && (b->m->visit_slot[base] >= 0 || b->m->visit_slot[base + 1] >= 0)) {
             yci_adjacent *e = YCI_PUSH(b, adjacent);
-            double rest = y->visit_u[a + 1] - y->visit_u[a];
+            double rest = yci_build_laid(b, yarn, a);
             int parallel = here->count == 2 && next->count == 2; /* else the segment runs to an end: nothing to touch */
             if (!e) return 0;
             touching = parallel ? yci_yarn_of(b, here->yarn[here->yarn[0] == yarn])->radius +

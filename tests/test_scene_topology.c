@@ -15,14 +15,12 @@ typedef struct swatch {
     double mass;
 } swatch;
 
-static swatch swatch_new(const yc_host *host, int side, const yc_yarn_material *yarn, double crimp, int hold) {
-    yc_weave_desc weave = yc_weave_desc_default();
+static swatch swatch_of(const yc_host *host, int side, yc_weave_desc weave, int hold) {
     yc_scene_desc settings = yc_scene_desc_default();
     yc_cloth_desc cloth = yc_cloth_desc_default();
     swatch w;
     memset(&w, 0, sizeof w);
-    weave.size[0] = weave.size[1] = side * weave.spacing[0], weave.warp = weave.weft = *yarn;
-    weave.crimp[0] = weave.crimp[1] = crimp;
+    weave.size[0] = side * weave.spacing[0], weave.size[1] = side * weave.spacing[1];
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.mass_damping = 20.0;
     CHECK_RESULT(yc_weave(NULL, &weave, NULL, &w.yarns, NULL), YC_OK);
@@ -31,6 +29,12 @@ static swatch swatch_new(const yc_host *host, int side, const yc_yarn_material *
     CHECK_RESULT(yc_scene_add_cloth(w.scene, &cloth, NULL), YC_OK);
     CHECK_RESULT(yc_scene_momentum(w.scene, &w.mass, NULL, NULL), YC_OK);
     return w;
+}
+
+static swatch swatch_new(const yc_host *host, int side, const yc_yarn_material *yarn, double crimp, int hold) {
+    yc_weave_desc weave = yc_weave_desc_default();
+    weave.warp = weave.weft = *yarn, weave.crimp[0] = weave.crimp[1] = crimp;
+    return swatch_of(host, side, weave, hold);
 }
 
 static void swatch_free(swatch *w) {
@@ -154,6 +158,32 @@ static void check_pull_out(double crimp) {
 
 TEST(scene_topology_pull_out) { check_pull_out(0.0); }
 TEST(scene_topology_pull_out_of_crimped_cloth) { check_pull_out(0.06); }
+
+/* A shirting at its true density. What is drawn out gets node after node, each in the middle of a segment: their places
+ * in the layout come as close together as that, which must not count as a wave at rest. */
+TEST(scene_topology_pull_out_of_shirting) {
+    yc_fabric shirting;
+    swatch w;
+    int tip, step, newton = 0, substeps = 0, rejected = 0, released = 0, split = 0, i, ok = 1;
+    double highest = 0.0, radius;
+    CHECK_RESULT(yc_fabric_get(YC_FABRIC_SHIRTING, &shirting), YC_OK);
+    w = swatch_of(NULL, SIDE, shirting.weave, 0);
+    tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), radius = shirting.weave.weft.radius;
+    hold_warps(&w);
+    for (step = 1; step <= 60 && ok; step++) {
+        yc_stats stats;
+        draw_node(&w, tip, 0.02 * 5e-3 * step, 0.0);
+        ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, &stats), YC_OK) && sound(&w);
+        newton += stats.newton, substeps += stats.substeps, rejected += stats.rejected;
+        released += count_events(w.scene, YC_EVENT_RELEASE), split += count_events(w.scene, YC_EVENT_SPLIT);
+        for (i = w.scene->vertices; i < w.scene->nodes; i++) highest = fmax(highest, fabs(w.scene->z[i]));
+    }
+    printf("   %d sub-steps, %d rejected, Newton %.1f, highest z %.2f radii\n", substeps, rejected,
+        (double)newton / substeps, highest / radius);
+    CHECK(released == SIDE && split > 5);
+    CHECK(rejected == 0 && newton <= 6 * substeps && highest < 2.0 * radius);
+    swatch_free(&w);
+}
 
 /* The same with a network that is held, and with a secured end: nothing leaves, the force only grows. */
 TEST(scene_topology_held) {
