@@ -175,8 +175,8 @@ static void run_ranges(int crimped) {
 TEST(woven_extremes_straight) { run_ranges(0); }
 TEST(woven_extremes_crimped) { run_ranges(1); }
 
-/* Yarns that start with a segment pressed by 4 N, as where a mesh is creased, and whose crossings slide freely: it loses
- * energy by handing its rest length on, for which a direction would take more than there is. */
+/* Yarns that start with a segment pressed by 4 N, as where a mesh is creased, and whose crossings slide freely: it
+ * loses energy by handing its rest length on, for which a direction would take more than there is. */
 TEST(woven_extremes_creased) {
     yc_weave_desc d = weave_of(0);
     yc_scene_desc settings = yc_scene_desc_default();
