@@ -8207,9 +8207,9 @@ static double yci_yarn_preload_of(double tex, double length) {
 
 /* What a yarn resists being pressed flat with, N/m: two like cylinders crossed, of Young's modulus 3 G and without
  * change of volume, press by (8/3) G sqrt(radius) d^(3/2) (Hertz 1882); this is its slope where they press by
- * `preload`, and each yarn takes half of d. Yarns in cloth are pressed to 0.6 to 0.8 of their thickness (Kemp 1958), and at 0.8
- * already by their crimp: so they grow stiffer within a fifth of it. Hertz' solid does not; fibres that come closer do
- * (van Wyk 1946). */
+ * `preload`, and each yarn takes half of d. Yarns in cloth are pressed to 0.6 to 0.8 of their thickness (Kemp 1958), to
+ * 0.8 already by their crimp: so they grow stiffer within a fifth of it. Hertz' solid does not; fibres that come closer
+ * do (van Wyk 1946). */
 static double yci_yarn_flattening_of(double radius, double preload) {
     double modulus = 2.0 * YCI_TRANSVERSE_SHEAR; /* E / (2 (1 - nu^2)) */
     return 2.0 * cbrt(6.0 * modulus * modulus * radius * preload);
