@@ -310,6 +310,10 @@ typedef struct yc_yarn_material {
      * > 0; default 3e-9. Not used without crimp */
     double crimp_bending;
     double strength; /* N: tension at which the yarn breaks; >= 0; default 0, never */
+    /* N/m: how the yarn resists being pressed flat by the yarn it crosses, in series with that one's; four times as
+     * much once both together are thinner by a fifth of their thickness; >= 0; default 0: it keeps its shape. Not used
+     * without crimp */
+    double flattening;
 } yc_yarn_material;
 YC_API yc_yarn_material yc_yarn_material_default(void);
 
@@ -342,7 +346,8 @@ YC_API yc_yarn_desc yc_yarn_desc_default(void);
  *   bending  tex * fibre_tex * R * bending_factor, R the fibre's specific flexural rigidity. With a factor of 1 fibres
  *            slide freely past each other, with tex / fibre_tex the yarn is a solid rod; real yarns lie between 1.5 and
  *            4 (Hearle, Grosberg, Backer 1969; fibre values from Morton and Hearle). crimp_bending is the same
- *   friction, preload, slide, contact, shear  typical of the fibre and of cloth of such yarn; see yci_fibre_values
+ *   friction, preload, slide, contact, shear, flattening  typical of the fibre and of cloth of such yarn; see
+ *            yci_fibre_values
  * Single yarns differ from these by a factor of two.
  * desc  not NULL; out  untouched on failure; message  NULL or YC_MESSAGE_SIZE bytes. Errors: ARGUMENT. */
 YC_API yc_result yc_yarn_material_make(const yc_yarn_desc *desc, yc_yarn_material *out, char *message);
@@ -462,9 +467,9 @@ YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char
 YC_API void yc_yarns_destroy(yc_yarns *yarns);
 
 /* The triangle material that stretches, shears, bends and weighs like the weave does when straight: stretch EA/spacing,
- * shear 4 k_x/spacing summed over both families' halves, times the share of places where yarns change sides, bending EI/spacing, density as laid, which with crimp is that
- * of (1 + crimp) times the length. Stretch knows of no crimp. Where there is an order, the mean of its materials
- * counts. desc is not checked. */
+ * shear 4 k_x/spacing summed over both families' halves, times the share of places where yarns change sides, bending
+ * EI/spacing, density as laid, which with crimp is that of (1 + crimp) times the length. Stretch knows of no crimp.
+ * Where there is an order, the mean of its materials counts. desc is not checked. */
 YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc);
 
 /* ---- drafts ----------------------------------------------------------------------------------------------------- */
@@ -724,6 +729,7 @@ typedef enum yc_term {
     YC_TERM_BENDING,
     YC_TERM_SHEAR,
     YC_TERM_ADJACENT,
+    YC_TERM_FLATTENING,
     YC_TERM_SLIDE,
     YC_TERM_MEMBRANE,
     YC_TERM_HINGE,
@@ -6163,7 +6169,7 @@ YC_API yc_yarn_material yc_yarn_material_default(void) {
     yc_yarn_material m;
     m.stretch = 50.0, m.bending = 3e-9, m.density = 15e-6, m.radius = 72e-6;
     m.shear = 4e-3, m.shear_limit = 0.9, m.contact = 1.0, m.friction = 0.3, m.slide = 100.0;
-    m.preload = 0.0, m.crimp_bending = m.bending, m.strength = 0.0;
+    m.preload = 0.0, m.crimp_bending = m.bending, m.strength = 0.0, m.flattening = 0.0;
     return m;
 }
 
@@ -6245,6 +6251,7 @@ YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc) {
  *   preload                  friction of sliding lets go at s = mu N / k_f: k^2 too
  *   crimp_bending            about EI h^2 / L^3, where the height h grows by k like the radius: k^3
  *   strength                 k yarns at the tension of each: k
+ *   flattening               1/2 k_t d^2, where d grows by k: it stays
  * The moment of friction, mu N times a share of the radius, should grow by k^2 as well; that of the preload grows by
  * k^3. Tension adds T kappa L to N where cloth is curved, which grows by k^2, and T h / L at a crimped crossing, which
  * grows by k: right for the moment and for crimp itself, too little by k for sliding. */
@@ -6257,13 +6264,14 @@ static void yci_yarn_bundle(yc_yarn_material *m, double k) {
 
 static yc_result yci_yarn_material_check(yci_context *c, const char *owner, const yc_yarn_material *m) {
     static const char *const names[] = {"stretch", "density", "radius", "slide", "crimp_bending", "bending", "shear",
-        "contact", "friction", "shear_limit", "preload", "strength"};
-    double values[12];
+        "contact", "friction", "shear_limit", "preload", "strength", "flattening"};
+    double values[13];
     int i;
     values[0] = m->stretch, values[1] = m->density, values[2] = m->radius, values[3] = m->slide;
     values[4] = m->crimp_bending, values[5] = m->bending, values[6] = m->shear, values[7] = m->contact;
     values[8] = m->friction, values[9] = m->shear_limit, values[10] = m->preload, values[11] = m->strength;
-    for (i = 0; i < 12; i++) {
+    values[12] = m->flattening;
+    for (i = 0; i < 13; i++) {
         if (!yci_finite(values[i]))
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be finite", owner, names[i], values[i]);
         if (i < 5 && values[i] <= 0.0)
@@ -8197,6 +8205,16 @@ static double yci_yarn_preload_of(double tex, double length) {
     return YCI_FINISHED * 2.0 * YCI_WEAVING_TENSION * tex * sqrt(YCI_CRIMP_KAPPA * (length * length - 1.0)) / length;
 }
 
+/* What a yarn resists being pressed flat with, N/m: two like cylinders crossed, of Young's modulus 3 G and without
+ * change of volume, press by (8/3) G sqrt(radius) d^(3/2) (Hertz 1882); this is its slope where they press by
+ * `preload`, and each yarn takes half of d. Yarns in cloth are pressed to 0.6 to 0.8 of their thickness (Kemp 1958), to
+ * 0.8 already by their crimp: so they grow stiffer within a fifth of it. Hertz' solid does not; fibres that come closer
+ * do (van Wyk 1946). */
+static double yci_yarn_flattening_of(double radius, double preload) {
+    double modulus = 2.0 * YCI_TRANSVERSE_SHEAR; /* E / (2 (1 - nu^2)) */
+    return 2.0 * cbrt(6.0 * modulus * modulus * radius * preload);
+}
+
 /* The material of a yarn that was checked. Friction gives way after 0.015 radii, when the yarns of a crossing have
  * turned by 2/3 of that, 0.6 degrees: cloth in shear is stiff at first and yields within the first degree (Grosberg and
  * Park 1966), and its loop is open where it is measured, half a degree from the middle. */
@@ -8213,6 +8231,7 @@ static yc_yarn_material yci_yarn_make(const yc_yarn_desc *desc) {
     /* As in a shirting, whose crossings are 4.5 radii apart and whose yarns are 7 % longer than the cloth. */
     m.shear = yci_yarn_shear_of(m.radius, 4.5 * m.radius), m.preload = yci_yarn_preload_of(d.tex, 1.07);
     m.slide = m.friction * m.preload / (YCI_FRICTION_REACH * m.radius);
+    m.flattening = yci_yarn_flattening_of(m.radius, m.preload);
     return m;
 }
 
@@ -8318,6 +8337,7 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
             m->shear = yci_yarn_shear_of(m->radius, 0.5 * (weave->spacing[0] + weave->spacing[1]));
             m->preload = yci_yarn_preload_of(row->tex[f], yci_weave_length(draft, weave->repeat, f, weave->crimp[f]));
             m->slide = m->friction * m->preload / (YCI_FRICTION_REACH * m->radius);
+            m->flattening = yci_yarn_flattening_of(m->radius, m->preload);
         }
     } else {
         out->yarn = yarns[0], out->loop = 1e-3 * row->loop;
@@ -8362,6 +8382,9 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
  *                (Peirce 1937, see chapter fabric).
  *   kink         k (t - t_0)^2 / (du_- + du_+), t = (y_b - y_a)/du_- - (y_c - y_b)/du_+ the difference of the slopes.
  *                Projected keeps the positive part of f' hess t on either side; it is exact where t = t_0.
+ *   flattening   (1/2) k d^2 (1 + (d/D)^2 / 2), d = rest - (y_high - y_low) what both yarns of a crossing are thinner
+ *                by than at rest, so that they press by k d (1 + (d/D)^2): the curve of compression of Kawabata's
+ *                theory (1973). Convex: projected is exact.
  *
  * The energies of an angle f(phi) share one Hessian. With unit edges a, b of lengths l1, l2, in-plane normals n1 (of a,
  * towards b) and n2 (of b, towards a) and the binormal m, grad phi = (-n1/l1, -n2/l2) and
@@ -8558,6 +8581,18 @@ YC_FN double yci_yarn_kink(
         }
     }
     return f / du;
+}
+
+/* -- flattening at a crossing: q = (y_low, y_high) ----------------------------------------------------------------- */
+
+YC_FN double yci_yarn_flatten_strain(const double *q, double rest) { return rest - (q[1] - q[0]); }
+
+YC_FN double yci_yarn_flatten(
+    const double *q, double k, double rest, double depth, double r, double s_prev, double *g, double *h) {
+    double s = yci_yarn_flatten_strain(q, rest), rate = s - s_prev, t = s / depth * (s / depth);
+    if (g) g[0] = k * (s * (1.0 + t) + r * rate), g[1] = -g[0];
+    if (h) h[0] = h[3] = k * (1.0 + 3.0 * t + r), h[1] = h[2] = -h[0];
+    return 0.5 * k * (s * s * (1.0 + 0.5 * t) + r * rate * rate);
 }
 
 /* -- gravity: q = (x_i, x_j, u_a, u_b), rho in kg/m ---------------------------------------------------------------- */
@@ -11515,11 +11550,11 @@ static yc_result yci_system_factor(yci_system *s) {
  * layout's for any alpha.
  *
  * Crimp. Where visit_height is given, every crossing of full nodes has one more unknown, z: both its yarns touch, so
- * they move along the contact's normal together, to heights y = layer height + z. Pulling a yarn flattens it and
+ * they move along the contact's normal together, to heights y = layer height + z. Pulling a yarn straightens it and
  * presses the crossing ones into waves: crimp interchange. z is a scalar, so that rigid motion leaves it alone, and has
  * the inertia (1/2) m z'^2 of its node, the part of both yarns' kinetic energy that is transverse (the product with
  * x', which alternates along a yarn, is left out). Lone visits and rods lie at height 0; z is held at hybrid and at
- * pinned nodes.
+ * pinned nodes. Yarns that flatten have a z each, the mass of each its own, and the energy of flattening between them.
  *
  * Pressure lambda of a crossing's yarns on each other, >= 0, lagged: preload, and what the state adds. With crimp that
  * is half of what the elements of the upper yarn push it down with and those of the lower one up, -dV/dy of each alone
@@ -11565,6 +11600,11 @@ typedef struct yci_kink {
     int a, b, c;
     double stiffness, rest, previous;
 } yci_kink;
+/* Of the lower and the upper visit at a crossing: rest is their distance at rest. */
+typedef struct yci_flatten {
+    int a, b;
+    double stiffness, rest, depth, previous;
+} yci_flatten;
 typedef struct yci_shear {
     int node[3];
     double stiffness, length, rest, limit, previous;
@@ -11622,6 +11662,7 @@ enum {
     YCI_KINK,
     YCI_SHEAR,
     YCI_ADJACENT,
+    YCI_FLATTEN,
     YCI_SLIDE,
     YCI_FACE,
     YCI_HINGE,
@@ -11662,7 +11703,7 @@ typedef struct yci_model {
     int *node_of;        /* [system nodes] */
     int *visit_slot;     /* [visits], the component of u in its node's block; -1: held */
     /* Crimp; NULL where the scene has none. */
-    int *height_slot;         /* [nodes], the component of z in its node's block; -1: held; NULL without crimp */
+    int *height_slot;         /* [visits], the component of z in its node's block; -1: held; NULL without crimp */
     unsigned char *undulates; /* [visits], whether z counts */
     double *lift;             /* [visits], m, y at rest */
     double *thrust;           /* [visits], N, dV/dy of the yarn alone; lagged */
@@ -11676,6 +11717,7 @@ typedef struct yci_model {
     YCI_ARRAY(yci_shear, shear);
     YCI_ARRAY(yci_turn, turn); /* one for each shear; none in a scene without friction */
     YCI_ARRAY(yci_adjacent, adjacent);
+    YCI_ARRAY(yci_flatten, flatten);
     YCI_ARRAY(yci_slide, slide);
     YCI_ARRAY(yci_rub, rub);
     YCI_ARRAY(yci_face, face);
@@ -11720,7 +11762,7 @@ struct yc_scene {
     /* state */
     double *x, *velocity;       /* [3 nodes] */
     double *u, *slide, *anchor; /* [visits]: u, its velocity, its friction anchor */
-    double *z, *rise;           /* [nodes]: z, its velocity; NULL without crimp */
+    double *z, *rise;           /* [visits]: z, its velocity; NULL without crimp */
     double *turn;               /* [4 turns], rad: friction anchors of a crossing's pairs, from their rest angles */
     unsigned char *pin;         /* [nodes] */
     double *goal;               /* [3 nodes], where a pin draws its node over the next step */
@@ -11747,8 +11789,8 @@ enum { YCI_STATE_SAVED = 10, YCI_STATE_ARRAYS = 13 };
 static void yci_state_arrays(yc_scene *s, yci_state_array *list) {
     const size_t one = sizeof(double), three = 3 * one, crimp = s->crimped ? one : 0, four = s->rubs ? 4 * one : 0;
     const yci_state_array all[YCI_STATE_ARRAYS] = {{&s->x, 0, three}, {&s->velocity, 0, three}, {&s->goal, 0, three},
-        {&s->u, 1, one}, {&s->slide, 1, one}, {&s->anchor, 1, one}, {&s->z, 0, crimp}, {&s->rise, 0, crimp},
-        {&s->turn, 0, four}, {&s->pin, 0, 1}, {&s->x_n, 0, three}, {&s->u_n, 1, one}, {&s->z_n, 0, crimp}};
+        {&s->u, 1, one}, {&s->slide, 1, one}, {&s->anchor, 1, one}, {&s->z, 1, crimp}, {&s->rise, 1, crimp},
+        {&s->turn, 0, four}, {&s->pin, 0, 1}, {&s->x_n, 0, three}, {&s->u_n, 1, one}, {&s->z_n, 1, crimp}};
     memcpy(list, all, sizeof all);
 }
 
@@ -11761,8 +11803,8 @@ static char *yci_state_array_of(const yci_state_array *a) {
 /* ---- descriptors ---- */
 
 YC_API const char *yc_term_name(yc_term term) {
-    static const char *const names[] = {"kinetic", "gravity", "stretch", "bending", "shear", "adjacent", "slide",
-        "membrane", "hinge", "seam", "body", "pair"};
+    static const char *const names[] = {"kinetic", "gravity", "stretch", "bending", "shear", "adjacent", "flattening",
+        "slide", "membrane", "hinge", "seam", "body", "pair"};
     return (int)term >= 0 && term < YC_TERM_COUNT ? names[term] : "unknown yc_term";
 }
 
@@ -11871,7 +11913,7 @@ static void yci_model_destroy(yc_scene *s) {
     yci_free(c, m->visit_slot), yci_free(c, m->mass), yci_free(c, m->mass_fixed);
     yci_free(c, m->undulates), yci_free(c, m->height_slot), yci_free(c, m->lift), yci_free(c, m->thrust);
     yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear), yci_free(c, m->turn),
-        yci_free(c, m->adjacent), yci_free(c, m->slide), yci_free(c, m->rub);
+        yci_free(c, m->adjacent), yci_free(c, m->flatten), yci_free(c, m->slide), yci_free(c, m->rub);
     yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
     yci_free(c, m->grip), yci_free(c, m->edge), yci_free(c, m->ball), yci_free(c, m->face_node),
         yci_pairs_free(c, &m->pairs);
@@ -12702,29 +12744,51 @@ static void yci_build_slots(const yci_build *b, const yci_crossing *crossing) {
     }
 }
 
-/* Which nodes have a z: full ones where two yarns lie on each other, or where one has slid out and the other goes on.
- * It comes behind the sliding visits. */
-static void yci_build_heights(const yci_build *b, const yci_crossing *crossing) {
+/* How two yarns in series resist flattening, 0: not at all flat. */
+static double yci_build_flattening(const yci_build *b, const yci_crossing *here) {
+    double p = yci_yarn_of(b, here->yarn[0])->flattening, q = yci_yarn_of(b, here->yarn[1])->flattening;
+    return p > 0.0 && q > 0.0 ? p * q / (p + q) : yci_max(p, q);
+}
+
+static int yci_build_flatten(const yci_build *b, const yci_crossing *here, double stiffness) {
+    const yc_yarns *y = b->yarns;
+    int low = y->visit_layer[here->visit[0]] < 0 ? 0 : 1;
+    yci_flatten *e = YCI_PUSH(b, flatten);
+    if (!e) return 0;
+    e->a = b->cloth->visit + here->visit[low], e->b = b->cloth->visit + here->visit[!low];
+    e->stiffness = stiffness, e->previous = 0.0;
+    e->rest = b->m->lift[e->b] - b->m->lift[e->a];
+    e->depth = 0.2 * (yci_yarn_of(b, here->yarn[0])->radius + yci_yarn_of(b, here->yarn[1])->radius);
+    return 1;
+}
+
+/* Which visits have a z: those of full nodes where two yarns lie on each other, or where one has slid out and the other
+ * goes on. It comes behind the sliding visits; two yarns that keep their shape have it together. */
+static int yci_build_heights(const yci_build *b, const yci_crossing *crossing) {
     const yc_yarns *y = b->yarns;
     yci_model *m = b->m;
     int k;
     for (k = 0; k < y->visit_count; k++) {
         m->lift[b->cloth->visit + k] = yci_visit_rise(y, k);
-        m->undulates[b->cloth->visit + k] = y->visit_height != NULL;
+        m->undulates[b->cloth->visit + k] = y->visit_height != NULL, m->height_slot[b->cloth->visit + k] = -1;
     }
     for (k = 0; k < y->node_count; k++) {
         const yci_crossing *here = crossing + k;
-        int node = b->cloth->node + k, i, free = m->role[node] == YCI_FULL && !m->held[node];
-        m->height_slot[node] = -1;
+        int node = b->cloth->node + k, i, free = m->role[node] == YCI_FULL && !m->held[node], slot = 3;
+        double stiffness = 0.0;
         if (!y->visit_height || !here->count || !free) continue;
         if (here->count == 1) {
             const int *first = y->yarn_first + here->yarn[0], visit = here->visit[0];
             free = visit > first[0] && visit + 1 < first[1];
         } else free = y->visit_layer[here->visit[0]] && y->visit_layer[here->visit[1]];
         if (!free) continue;
-        m->height_slot[node] = 3;
-        for (i = 0; i < here->count; i++) m->height_slot[node] += m->visit_slot[b->cloth->visit + here->visit[i]] >= 0;
+        if (here->count == 2) stiffness = yci_build_flattening(b, here);
+        if (stiffness > 0.0 && !yci_build_flatten(b, here, stiffness)) return 0;
+        for (i = 0; i < here->count; i++) slot += m->visit_slot[b->cloth->visit + here->visit[i]] >= 0;
+        for (i = 0; i < here->count; i++)
+            m->height_slot[b->cloth->visit + here->visit[i]] = stiffness > 0.0 ? slot + i : slot;
     }
+    return 1;
 }
 
 /* What share of the neighbouring crossings, on both yarns, the yarns of one lie on other sides of each other. Where a
@@ -12786,7 +12850,7 @@ static int yci_build_yarns(yci_build *b) {
     yci_crossing *crossing = YCI_NEW(c, yci_crossing, y->node_count);
     int yarn, node, ok = crossing != NULL;
     if (ok) yci_crossing_fill(crossing, y, y->visit_node, 0), yci_build_slots(b, crossing);
-    if (ok && b->m->height_slot) yci_build_heights(b, crossing);
+    if (ok && b->m->height_slot) ok = yci_build_heights(b, crossing);
     for (yarn = 0; ok && yarn < y->yarn_count; yarn++) ok = yci_build_yarn(b, yarn, crossing);
     for (node = 0; ok && node < y->node_count; node++) ok = yci_build_slides(b, crossing + node, node);
     for (node = 0; ok && node < y->node_count; node++) ok = yci_build_shear(b, crossing, node);
@@ -13005,8 +13069,10 @@ static void yci_build_unknowns(yc_scene *s, yci_model *m, int *dim, int *count) 
     }
     for (i = 0; i < s->visits; i++)
         if (m->visit_slot[i] >= 0) dim[m->system_node[s->visit_node[i]]]++;
-    for (i = s->vertices; i < s->nodes && m->height_slot; i++)
-        if (m->height_slot[i] >= 0) dim[m->system_node[i]]++;
+    for (i = 0; i < s->visits && m->height_slot; i++) {
+        int slot = m->height_slot[i], at = m->system_node[s->visit_node[i]];
+        if (slot >= 0 && slot >= dim[at]) dim[at] = slot + 1;
+    }
     *count = n;
 }
 
@@ -13264,7 +13330,7 @@ static yc_result yci_scene_build(yc_scene *s) {
         m->mass_fixed && m->local;
     if (ok && s->crimped) {
         m->undulates = YCI_NEW(c, unsigned char, s->visits), m->lift = YCI_NEW(c, double, s->visits);
-        m->thrust = YCI_NEW(c, double, s->visits), m->height_slot = YCI_NEW(c, int, s->nodes);
+        m->thrust = YCI_NEW(c, double, s->visits), m->height_slot = YCI_NEW(c, int, s->visits);
         ok = m->undulates && m->lift && m->thrust && m->height_slot;
     }
     if (ok) yci_build_roles(s, m), yci_build_drop_loners(s, m), yci_build_holders(s, m);
@@ -13320,14 +13386,13 @@ static int yci_crimped(const yci_model *m, int visit) { return m->undulates && m
 
 /* How far a visit passes from its node, m. */
 static double yci_rise(const yc_scene *s, int visit) {
-    return yci_crimped(s->model, visit) ? s->model->lift[visit] + s->z[s->visit_node[visit]] : 0.0;
+    return yci_crimped(s->model, visit) ? s->model->lift[visit] + s->z[visit] : 0.0;
 }
 
 /* Appends y of a visit likewise: it varies as z does. */
 static void yci_local_rise(const yc_scene *s, yci_local *out, double *q, int slot, int visit) {
-    int node = s->visit_node[visit];
     q[out->dofs] = yci_rise(s, visit);
-    out->slot[out->dofs] = (signed char)slot, out->comp[out->dofs] = (signed char)s->model->height_slot[node];
+    out->slot[out->dofs] = (signed char)slot, out->comp[out->dofs] = (signed char)s->model->height_slot[visit];
     out->dofs++;
 }
 
@@ -13338,6 +13403,14 @@ static void yci_local_kink(const yc_scene *s, yci_local *out, double *q, const i
     for (i = 0; i < 3; i++) out->node[i] = s->visit_node[visit[i]];
     for (i = 0; i < 3; i++) yci_local_rise(s, out, q, i, visit[i]);
     for (i = 0; i < 3; i++) yci_local_slide(s, out, q, i, visit[i]);
+}
+
+/* The unknowns of a crossing that flattens. */
+static void yci_local_flatten(const yc_scene *s, yci_local *out, double *q, const yci_flatten *e) {
+    out->nodes = 1, out->points = out->dofs = 0;
+    out->node[0] = s->visit_node[e->a];
+    yci_local_rise(s, out, q, 0, e->a);
+    yci_local_rise(s, out, q, 0, e->b);
 }
 
 /* The unknowns of two or three visits: positions, and u of the first and the last. */
@@ -13538,6 +13611,12 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         }
         break;
     }
+    case YCI_FLATTEN: {
+        const yci_flatten *e = m->flatten + i;
+        yci_local_flatten(s, out, q, e);
+        out->energy = yci_yarn_flatten(q, e->stiffness, e->rest, e->depth, m->rate, e->previous, g, h);
+        break;
+    }
     case YCI_SLIDE: {
         const yci_slide *e = m->slide + i;
         out->nodes = 1, out->points = out->dofs = 0;
@@ -13578,6 +13657,7 @@ static int yci_count(const yci_model *m, int kind) {
     case YCI_KINK: return m->kink_count;
     case YCI_SHEAR: return m->shear_count;
     case YCI_ADJACENT: return m->adjacent_count;
+    case YCI_FLATTEN: return m->flatten_count;
     case YCI_SLIDE: return m->slide_count;
     case YCI_FACE: return m->face_count;
     case YCI_HINGE: return m->hinge_count;
@@ -13656,14 +13736,14 @@ static double yci_assemble_kind(yc_scene *s, int kind, int mode) {
 
 /* ---- the incremental potential ---- */
 
-/* Where u of a sliding visit, and z of a node that is not held, stand among the unknowns. */
+/* Where u of a sliding visit, and z of one that is not held, stand among the unknowns. */
 static int yci_dof_of_slide(const yc_scene *s, int visit) {
     const yci_model *m = s->model;
     return m->system.a.off[m->system_node[s->visit_node[visit]]] + m->visit_slot[visit];
 }
-static int yci_dof_of_height(const yc_scene *s, int node) {
+static int yci_dof_of_height(const yc_scene *s, int visit) {
     const yci_model *m = s->model;
-    return m->system.a.off[m->system_node[node]] + m->height_slot[node];
+    return m->system.a.off[m->system_node[s->visit_node[visit]]] + m->height_slot[visit];
 }
 
 /* The unknowns, or their velocities, out of the state's arrays. */
@@ -13672,7 +13752,7 @@ static void yci_dofs_get(const yc_scene *s, const double *x, const double *u, co
     int i;
     for (i = 0; i < m->system.a.n; i++) yci_copy(q + m->system.a.off[i], x + 3 * m->node_of[i]);
     for (i = 0; i < m->slide_count; i++) q[yci_dof_of_slide(s, m->slide[i].visit)] = u[m->slide[i].visit];
-    for (i = s->vertices; i < s->nodes && m->height_slot; i++)
+    for (i = 0; i < s->visits && m->height_slot; i++)
         if (m->height_slot[i] >= 0) q[yci_dof_of_height(s, i)] = z[i];
 }
 
@@ -13681,7 +13761,7 @@ static void yci_dofs_set(yc_scene *s, const double *q) {
     int i;
     for (i = 0; i < m->system.a.n; i++) yci_copy(s->x + 3 * m->node_of[i], q + m->system.a.off[i]);
     for (i = 0; i < m->slide_count; i++) s->u[m->slide[i].visit] = q[yci_dof_of_slide(s, m->slide[i].visit)];
-    for (i = s->vertices; i < s->nodes && m->height_slot; i++)
+    for (i = 0; i < s->visits && m->height_slot; i++)
         if (m->height_slot[i] >= 0) s->z[i] = q[yci_dof_of_height(s, i)];
 }
 
@@ -13707,14 +13787,11 @@ static void yci_masses(yc_scene *s) {
             m->mass[node] += half;
             if (at < 0) continue;
             d = m->system.a.dim[at], block = m->system.mass + m->system.mass_at[at];
+            if (m->height_slot && m->height_slot[visit] >= 0) block[m->height_slot[visit] * (d + 1)] += half;
             if (m->visit_slot[visit] >= 0) yci_yarn_inertia(half, w, m->visit_slot[visit] - 3, d, block);
             else
                 for (k = 0; k < 3; k++) block[k * (d + 1)] += half;
         }
-    }
-    for (i = s->vertices; i < s->nodes && m->height_slot; i++) {
-        int slot = m->height_slot[i], at = m->system_node[i];
-        if (slot >= 0) m->system.mass[m->system.mass_at[at] + (size_t)(slot * (m->system.a.dim[at] + 1))] = m->mass[i];
     }
 }
 
@@ -14124,6 +14201,10 @@ static void yci_strains(yc_scene *s) {
         yci_local_kink(s, &out, q, &m->kink[i].a);
         m->kink[i].previous = yci_yarn_kink_strain(q);
     }
+    for (i = 0; i < m->flatten_count; i++) {
+        yci_local_flatten(s, &out, q, m->flatten + i);
+        m->flatten[i].previous = yci_yarn_flatten_strain(q, m->flatten[i].rest);
+    }
     for (i = 0; i < m->shear_count; i++) {
         yci_local_nodes(&out, 3, m->shear[i].node), yci_local_gather(s, &out, q);
         m->shear[i].previous = yci_yarn_shear_strain(q);
@@ -14270,14 +14351,14 @@ static void yci_fit_vertices(yc_scene *s, double *x) {
 static void yci_keep(yc_scene *s) {
     if (s->nodes) memcpy(s->x_n, s->x, 3 * (size_t)s->nodes * sizeof(double));
     if (s->visits) memcpy(s->u_n, s->u, (size_t)s->visits * sizeof(double));
-    if (s->crimped) memcpy(s->z_n, s->z, (size_t)s->nodes * sizeof(double));
+    if (s->crimped) memcpy(s->z_n, s->z, (size_t)s->visits * sizeof(double));
 }
 
 static void yci_restore(yc_scene *s) {
     int i;
     if (s->nodes) memcpy(s->x, s->x_n, 3 * (size_t)s->nodes * sizeof(double));
     if (s->visits) memcpy(s->u, s->u_n, (size_t)s->visits * sizeof(double));
-    if (s->crimped) memcpy(s->z, s->z_n, (size_t)s->nodes * sizeof(double));
+    if (s->crimped) memcpy(s->z, s->z_n, (size_t)s->visits * sizeof(double));
     for (i = 0; i < s->body_count; i++) s->body[i].pose = s->pose[2 * i];
 }
 
@@ -14348,7 +14429,7 @@ static yc_result yci_substep(yc_scene *s, double h, double share, yc_stats *stat
     }
     for (i = 0; i < 3 * s->nodes; i++) s->velocity[i] = (s->x[i] - s->x_n[i]) / h;
     for (i = 0; i < s->visits; i++) s->slide[i] = (s->u[i] - s->u_n[i]) / h;
-    for (i = 0; i < s->nodes && s->crimped; i++) s->rise[i] = (s->z[i] - s->z_n[i]) / h;
+    for (i = 0; i < s->visits && s->crimped; i++) s->rise[i] = (s->z[i] - s->z_n[i]) / h;
     yci_anchors(s);
     for (i = 0; i < s->body_count; i++) s->pose[2 * i] = s->body[i].pose;
     s->time += h;
@@ -14761,7 +14842,7 @@ static void yci_change_fill(const yci_change *w, const yci_change_state *to, int
         to->velocity[3 * node + k] = 0.5 * (s->velocity[3 * p + k] + s->velocity[3 * q + k]) - rate * along[k];
     }
     to->u[visit] = to->anchor[visit] = 0.5 * (s->u[a] + s->u[b]);
-    if (to->z) to->z[node] = 0.5 * (yci_rise(s, a) + yci_rise(s, b));
+    if (to->z) to->z[visit] = 0.5 * (yci_rise(s, a) + yci_rise(s, b));
 }
 
 /* The segment between visits i and i + 1 to come; `shift` leads from nodes now to nodes to come. First masses follow
@@ -14815,7 +14896,7 @@ static void yci_change_motion(yci_change *w, const yci_change_state *to) {
                     if (!pass && from < 0) yci_change_fill(w, to, visit + k, node + y->visit_node[k]);
                     else if (!pass && w->touched[s->visit_node[from]]) {
                         to->slide[visit + k] = 0.0;
-                        if (to->z) to->z[node + y->visit_node[k]] = yci_rise(s, from);
+                        if (to->z) to->z[visit + k] = yci_rise(s, from);
                     }
                     if (pass && k + 1 < y->yarn_first[yarn + 1])
                         yci_change_segment(w, to, visit + k, node - cloth->node, density, pass == 1);
@@ -15085,7 +15166,7 @@ YC_API yc_result yc_scene_load(yc_scene *s, const void *buffer, size_t size) {
     memcpy(&head, buffer, sizeof head);
     if (!yci_state_head_same(&head, &own) || size < yci_state_size(s, head.nodes, head.visits))
         return YCI_FAIL(c, YC_ERROR_PARSE, "the state is not this scene's");
-    count = (size_t)(9 + (s->crimped ? 2 : 0) + (s->rubs ? 4 : 0)) * (size_t)head.nodes + 3 * (size_t)head.visits +
+    count = (size_t)(9 + (s->rubs ? 4 : 0)) * (size_t)head.nodes + (size_t)(s->crimped ? 5 : 3) * (size_t)head.visits +
         24 * (size_t)s->body_count;
     for (i = 0; i < count; i++) {
         double value; /* the doubles of a state come first, in one row */
@@ -15186,8 +15267,8 @@ YC_API yc_result yc_scene_step(yc_scene *s, double dt, yc_stats *out) {
 
 YC_API yc_result yc_scene_energy(yc_scene *s, double terms[YC_TERM_COUNT]) {
     static const int term_of[] = {YC_TERM_COUNT, YC_TERM_BENDING, YC_TERM_BENDING, YC_TERM_SHEAR, YC_TERM_ADJACENT,
-        YC_TERM_SLIDE, YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY, YC_TERM_PAIR, YC_TERM_STRETCH,
-        YC_TERM_GRAVITY};
+        YC_TERM_FLATTENING, YC_TERM_SLIDE, YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY, YC_TERM_PAIR,
+        YC_TERM_STRETCH, YC_TERM_GRAVITY};
     yci_model *m;
     yc_result result = yci_scene_build(s);
     int i, r, t, kind;

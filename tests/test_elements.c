@@ -147,6 +147,10 @@ static double elements_shear(const double *p, const double *q, double *g, double
 static double elements_crimp(const double *p, const double *q, double *g, double *h, int projected) {
     return yci_yarn_crimp(q, p[0], p[1], p[2], NULL, g, h, projected);
 }
+static double elements_flatten(const double *p, const double *q, double *g, double *h, int projected) {
+    (void)projected; /* it is convex */
+    return yci_yarn_flatten(q, p[0], p[1], p[2], p[3], p[4], g, h);
+}
 static double elements_kink(const double *p, const double *q, double *g, double *h, int projected) {
     return yci_yarn_kink(q, p[0], p[1], p[2], p[3], g, h, projected);
 }
@@ -366,6 +370,25 @@ TEST(yarn_crimp) {
         CHECK(elements_finite(g, 10) && elements_finite(h, 100));
         elements_crimp(p, q, g, h, 1);
         CHECK(elements_semidefinite(h, 10) && elements_largest(h, 100) < 50.0);
+    }
+}
+
+TEST(yarn_flatten) {
+    int trial;
+    for (trial = 0; trial < 20; trial++) { /* pressed and drawn apart, far beyond the depth too */
+        double p[5], q[2], g[2], h[4], size = 1e-4;
+        p[0] = 600.0, p[1] = size, p[2] = 0.2 * size, p[3] = trial % 2 ? 0.7 : 0.0, p[4] = 0.05 * size;
+        q[0] = elements_random(-1.0, 1.0) * size, q[1] = q[0] + elements_random(0.0, 2.0) * size;
+        CHECK(elements_differences(elements_flatten, p, 2, q, size, 1e-3 * size, 1e-9));
+        elements_flatten(p, q, g, h, 1);
+        CHECK(h[0] >= p[0] && g[0] == -g[1]);
+    }
+    {
+        /* a fifth of the way: twice the force of the spring alone, four times its stiffness */
+        double q[2] = {0.0, 0.8e-4}, g[2], h[4];
+        yci_yarn_flatten(q, 600.0, 1e-4, 0.2e-4, 0.0, 0.0, g, h);
+        CHECK_NEAR(g[0], 2.0 * 600.0 * 0.2e-4, 1e-12);
+        CHECK_NEAR(h[0], 2400.0, 1e-8);
     }
 }
 

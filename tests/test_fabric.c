@@ -706,6 +706,8 @@ TEST(fabric_weave_refuses) {
     CHECK(!strncmp(message, "weave.warp.stretch = ", 21) && strstr(message, "nan must be finite"));
     d = good, d.weft.bending = -1.0;
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.bending = -1 must not be negative");
+    d = good, d.weft.flattening = -2.0;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.flattening = -2 must not be negative");
     d = good, d.weft.shear_limit = 2.0;
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.shear_limit = 2 must lie in (0, pi/2]");
     d = good, d.weft.friction = 11.0;
@@ -994,12 +996,14 @@ TEST(fabric_bundle) {
     CHECK_NEAR(
         yci_yarn_contact(closer, 4.0, 4e-3, NULL, NULL), 16.0 * yci_yarn_contact(close, 1.0, 1e-3, NULL, NULL), 1e-15);
     d.bundle = 3, d.size[0] = d.size[1] = 0.075, d.warp.preload = 0.01, d.warp.strength = 2.0;
+    d.warp.flattening = 700.0;
     if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) return;
     CHECK(y.yarn_count == 20 && y.materials[2].density == d.rod.density);
     CHECK_NEAR(y.materials[0].slide, 9.0 * m.slide, 1e-9);
     CHECK_NEAR(y.materials[0].preload, 0.09, 1e-15);
     CHECK_NEAR(y.materials[0].crimp_bending, 27.0 * m.crimp_bending, 1e-20);
     CHECK_NEAR(y.materials[0].strength, 6.0, 1e-15);
+    CHECK(y.materials[0].flattening == d.warp.flattening && d.warp.flattening > 0.0);
     CHECK(y.materials[0].friction == m.friction && y.materials[0].shear_limit == m.shear_limit);
     yc_yarns_destroy(&y);
 }

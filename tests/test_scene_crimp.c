@@ -171,18 +171,22 @@ TEST(scene_crimp_rests) {
 /* ---- tension -------------------------------------------------------------------------------------------------- */
 
 /* The same energies on one cell of a plain weave without ends: yarn f of length l[f], height h[f], along spacing p[f],
- * under tension t in yarn 0 and none in yarn 1. Newton by differences over (p0, p1, z). */
+ * under tension t in yarn 0 and none in yarn 1. Over p0, p1, and what each yarn's height gains: the other's loss, or,
+ * where yarns flatten, whatever balances both with the pressure between them. */
 typedef struct cell {
-    double l[2], p[2], h[2], stretch, bending, tension;
+    double l[2], p[2], h[2], stretch, bending, tension, flattening, depth;
 } cell;
 
-static double cell_energy(const cell *c, const double q[3]) {
-    double e = -c->tension * q[0], h;
+static double cell_energy(const cell *c, const double q[4]) {
+    double e = -c->tension * q[0], h, gain[2], d;
     int f;
+    gain[0] = q[2], gain[1] = c->flattening > 0.0 ? q[3] : -q[2];
+    d = -gain[0] - gain[1];
+    e += 0.5 * c->flattening * d * d * (1.0 + 0.5 * (d / c->depth) * (d / c->depth));
     for (f = 0; f < 2; f++) {
-        double rise = 2.0 * (f ? c->h[1] - q[2] : c->h[0] + q[2]);
+        double rise = 2.0 * (c->h[f] + gain[f]);
         double s = sqrt(q[f] * q[f] + kappa * rise * rise) / c->l[f] - 1.0;
-        h = 2.0 * (f ? -q[2] : q[2]); /* both kinks of a cell's yarn: 2 rise / l, away from rest */
+        h = 2.0 * gain[f]; /* both kinks of a cell's yarn: 2 rise / l, away from rest */
         e += 0.5 * c->stretch * c->l[f] * s * s;
         e += 3.0 * c->bending * (2.0 * h / c->l[f]) * (2.0 * h / c->l[f]) / (2.0 * c->l[f]);
     }
@@ -192,16 +196,18 @@ static double cell_energy(const cell *c, const double q[3]) {
 /* Strains of both yarns' spacings under a tension. */
 static void cell_solve(const yc_weave_desc *d, double tension, double strain[2]) {
     cell c;
-    double q[3], size[3];
-    int f, pass, i, side;
+    double q[4], size[4];
+    int f, pass, i, side, count;
     c.stretch = d->warp.stretch, c.bending = d->warp.crimp_bending, c.tension = tension;
+    c.flattening = 0.5 * d->warp.flattening, c.depth = 0.4 * d->warp.radius; /* two in series */
+    count = c.flattening > 0.0 ? 4 : 3;
     for (f = 0; f < 2; f++) {
         c.p[f] = d->spacing[!f], c.l[f] = c.p[f] * (1.0 + d->crimp[f]);
         c.h[f] = 0.5 * sqrt((c.l[f] * c.l[f] - c.p[f] * c.p[f]) / kappa), q[f] = c.p[f];
     }
-    q[2] = 0.0, size[0] = size[1] = size[2] = 1e-5;
-    for (pass = 0; pass < 200000 && size[0] + size[1] + size[2] > 1e-13; pass++) { /* pattern search: no derivatives */
-        i = pass % 3;
+    q[2] = q[3] = 0.0, size[0] = size[1] = size[2] = 1e-5, size[3] = count > 3 ? 1e-5 : 0.0;
+    for (pass = 0; pass < 400000 && size[0] + size[1] + size[2] + size[3] > 1e-13; pass++) { /* no derivatives */
+        i = pass % count;
         for (side = 0; side < 2; side++) {
             double before = cell_energy(&c, q), step = side ? -size[i] : size[i];
             q[i] += step;
@@ -241,6 +247,40 @@ TEST(scene_crimp_tension) {
     slope = force[12], at = strain[12];
     slope = (pull(&w, 1, 0.13, &stats) - slope) / (strain_of(&w, 1) - at);
     CHECK(slope > 0.85 * straight / 1.07 && slope < straight / 1.07);
+    woven_free(&w);
+}
+
+/* Yarns that flatten: the same, each yarn with a height of its own and the curve of compression between both, as in
+ * Kawabata's (1973) biaxial theory. Softer from the start, and the more the harder it is drawn. */
+TEST(scene_crimp_flattening) {
+    yc_weave_desc d = shirting(8, 20);
+    yc_scene_desc settings = quasistatic();
+    double terms[YC_TERM_COUNT], force = 0.0, rigid[2], cell_strain[2];
+    woven w;
+    yc_stats stats;
+    int i;
+    cell_solve(&d, 490.0 * d.spacing[0], rigid);
+    d.warp.flattening = d.weft.flattening = 1200.0;
+    w = woven_new(&d, &settings, 1);
+    for (i = 1; i <= 8; i++) {
+        force = pull(&w, 1, 0.01 * i, &stats);
+        cell_solve(&d, force * d.spacing[0], cell_strain);
+        CHECK_NEAR(strain_of(&w, 1) / cell_strain[0], 1.0, 0.03);
+        CHECK_NEAR(strain_of(&w, 0) / cell_strain[1], 1.0, 0.05);
+        CHECK(stats.newton <= 12);
+    }
+    CHECK(stats.dofs == 3 * (w.yarns.node_count - 16) + 2 * 160); /* two z for each crossing */
+    CHECK_RESULT(yc_scene_energy(w.scene, terms), YC_OK);
+    CHECK(terms[YC_TERM_FLATTENING] > 0.0);
+    cell_solve(&d, 490.0 * d.spacing[0], cell_strain);
+    CHECK(cell_strain[0] > 1.4 * rigid[0]);
+    woven_free(&w);
+    d.weft.flattening = 0.0; /* in series with a rigid one: as soft as one alone */
+    w = woven_new(&d, &settings, 1);
+    force = pull(&w, 1, 0.03, &stats);
+    d.warp.flattening *= 2.0; /* the cell takes half */
+    cell_solve(&d, force * d.spacing[0], cell_strain);
+    CHECK_NEAR(strain_of(&w, 1) / cell_strain[0], 1.0, 0.03);
     woven_free(&w);
 }
 
@@ -389,7 +429,7 @@ static scene_swatch *mixed_swatch(void) {
     scene_swatch_desc d = scene_swatch_desc_default(SCENE_MIXED);
     scene_swatch *s;
     d.cells[0] = d.cells[1] = 4, d.size[0] = d.size[1] = 0.012, d.spacing = 1e-3, d.region = 0.3;
-    d.yarn.preload = 0.01;
+    d.yarn.preload = 0.01, d.yarn.flattening = 800.0;
     s = scene_swatch_new(&d);
     yc_yarns_destroy(&s->yarns);
     s->weave.crimp[0] = 0.06, s->weave.crimp[1] = 0.03;
