@@ -1243,44 +1243,42 @@ YC_FN double yci_angle_difference(double a, double b) {
 #define YCI_LU_LEFT 480                          /* columns left of a block whose rows are exchanged together */
 #define YCI_PIVOT_TOLERANCE (64.0 * DBL_EPSILON) /* a pivot this small against what it came from is rounding error */
 
-/* y -= A x and y -= A'x for a row-major block of m x n. The 3x3 case is most of the calls. */
+/* The product of two rows of n numbers. Most have three, or five: a crossing's. */
+YC_FN double yci_block_dot(int n, const double *a, const double *b) {
+    double sum = 0.0;
+    if (n == 3) return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    if (n == 5) return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4];
+    for (int i = 0; i < n; i++) sum += a[i] * b[i];
+    return sum;
+}
+
+/* y -= A x and y -= A'x for a row-major block of m x n. */
 YC_FN void yci_block_subtract(int m, int n, const double *a, const double *x, double *y) {
-    int i, j;
-    if (m == 3 && n == 3) {
-        double x0 = x[0], x1 = x[1], x2 = x[2];
-        y[0] -= a[0] * x0 + a[1] * x1 + a[2] * x2;
-        y[1] -= a[3] * x0 + a[4] * x1 + a[5] * x2;
-        y[2] -= a[6] * x0 + a[7] * x1 + a[8] * x2;
-        return;
-    }
-    for (i = 0; i < m; i++, a += n) {
-        double sum = 0.0;
-        for (j = 0; j < n; j++) sum += a[j] * x[j];
-        y[i] -= sum;
-    }
+    for (int i = 0; i < m; i++) y[i] -= yci_block_dot(n, a + i * n, x);
 }
 YC_FN void yci_block_subtract_transposed(int m, int n, const double *a, const double *x, double *y) {
     int i, j;
-    if (m == 3 && n == 3) {
-        double x0 = x[0], x1 = x[1], x2 = x[2];
-        y[0] -= a[0] * x0 + a[3] * x1 + a[6] * x2;
-        y[1] -= a[1] * x0 + a[4] * x1 + a[7] * x2;
-        y[2] -= a[2] * x0 + a[5] * x1 + a[8] * x2;
-        return;
-    }
-    for (i = 0; i < m; i++, a += n)
-        for (j = 0; j < n; j++) y[j] -= a[j] * x[i];
+    if (n == 3) {
+        double y0 = y[0], y1 = y[1], y2 = y[2];
+        for (i = 0; i < m; i++, a += 3) y0 -= a[0] * x[i], y1 -= a[1] * x[i], y2 -= a[2] * x[i];
+        y[0] = y0, y[1] = y1, y[2] = y2;
+    } else if (n == 5) {
+        double y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3], y4 = y[4];
+        for (i = 0; i < m; i++, a += 5) {
+            y0 -= a[0] * x[i], y1 -= a[1] * x[i], y2 -= a[2] * x[i];
+            y3 -= a[3] * x[i], y4 -= a[4] * x[i];
+        }
+        y[0] = y0, y[1] = y1, y[2] = y2, y[3] = y3, y[4] = y4;
+    } else
+        for (i = 0; i < m; i++, a += n)
+            for (j = 0; j < n; j++) y[j] -= a[j] * x[i];
 }
 
-/* C -= A B' for row-major C (m x n), A (m x k), B (n x k). */
-YC_FN void yci_block_subtract_product(int m, int n, int k, const double *a, const double *b, double *c) {
-    int i, j, p;
-    for (i = 0; i < m; i++)
-        for (j = 0; j < n; j++) {
-            double sum = 0.0;
-            for (p = 0; p < k; p++) sum += a[i * k + p] * b[j * k + p];
-            c[i * n + j] -= sum;
-        }
+/* D = C - A B' for row-major C and D (m x n), which may be one, A (m x k), B (n x k). */
+YC_FN void yci_block_subtract_product(
+    int m, int n, int k, const double *a, const double *b, const double *c, double *d) {
+    for (int i = 0; i < m; i++)
+        for (int j = 0; j < n; j++) d[i * n + j] = c[i * n + j] - yci_block_dot(k, a + i * k, b + j * k);
 }
 
 /* A = G G' in place: the lower triangle of the row-major n x n block becomes G, the upper is neither read nor written.
@@ -3625,20 +3623,14 @@ typedef struct {
 static void yci_bsr_multiply_rows(void *arg, int begin, int end) {
     const yci_bsr_product *job = (const yci_bsr_product *)arg;
     const yci_bsr *m = job->m;
-    int i, k, a, b;
+    int i, k, a;
     for (i = begin; i < end; i++) {
         double sum[YCI_BLOCK_MAX] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
         int rows = m->dim[i];
         for (k = m->ptr[i]; k < m->ptr[i + 1]; k++) {
             const double *v = m->val + m->at[k], *x = job->x + m->off[m->col[k]];
             int columns = m->dim[m->col[k]];
-            if (rows == 3 && columns == 3) {
-                sum[0] += v[0] * x[0] + v[1] * x[1] + v[2] * x[2];
-                sum[1] += v[3] * x[0] + v[4] * x[1] + v[5] * x[2];
-                sum[2] += v[6] * x[0] + v[7] * x[1] + v[8] * x[2];
-            } else
-                for (a = 0; a < rows; a++)
-                    for (b = 0; b < columns; b++) sum[a] += v[a * columns + b] * x[b];
+            for (a = 0; a < rows; a++) sum[a] += yci_block_dot(columns, v + a * columns, x);
         }
         for (a = 0; a < rows; a++) job->y[m->off[i] + a] = sum[a];
     }
@@ -5646,11 +5638,10 @@ static int yci_ic_pivot(yci_ic *f, const yci_bsr *m, int i, double shift) {
     const double *a = m->val + m->at[f->diag[i]];
     double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
     int d = f->dim[i], k;
-    memcpy(block, a, (size_t)(d * d) * sizeof *block);
-    for (k = 0; k < d * d; k++) block[k] *= 1.0 + shift;
+    for (k = 0; k < d * d; k++) block[k] = (1.0 + shift) * a[k];
     for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++) {
         const double *l = f->val + f->at[k];
-        yci_block_subtract_product(d, d, f->dim[f->col[k]], l, l, block);
+        yci_block_subtract_product(d, d, f->dim[f->col[k]], l, l, block, block);
     }
     if (!yci_block_cholesky(d, block, a, d + 1)) return 0;
     yci_block_invert_lower(d, block, f->val + f->corner[i]);
@@ -5659,23 +5650,19 @@ static int yci_ic_pivot(yci_ic *f, const yci_bsr *m, int i, double shift) {
 
 /* Blocks of row i: L(i,j) = (A(i,j) - sum over k < j of L(i,k) L(j,k)') inverse(G(j)'). */
 static void yci_ic_row(yci_ic *f, const yci_bsr *m, int i) {
-    int d = f->dim[i], k, p, a, b, q;
+    int d = f->dim[i], k, p, a, b;
     for (k = f->ptr[i]; k < f->ptr[i + 1]; k++) {
         int j = f->col[k], e = f->dim[j];
         double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX], *l = f->val + f->at[k];
-        const double *source = m->val + m->at[f->source[k]], *inverse = f->val + f->corner[j];
-        memcpy(block, source, (size_t)(d * e) * sizeof *block);
+        const double *rest = m->val + m->at[f->source[k]], *inverse = f->val + f->corner[j];
         for (p = f->ptr[j]; p < f->ptr[j + 1]; p++) {
             int other = f->mark[f->col[p]];
-            if (other >= 0)
-                yci_block_subtract_product(d, e, f->dim[f->col[p]], f->val + f->at[other], f->val + f->at[p], block);
+            if (other < 0) continue;
+            yci_block_subtract_product(d, e, f->dim[f->col[p]], f->val + f->at[other], f->val + f->at[p], rest, block);
+            rest = block;
         }
-        for (a = 0; a < d; a++)
-            for (b = 0; b < e; b++) {
-                double sum = 0.0;
-                for (q = 0; q <= b; q++) sum += block[a * e + q] * inverse[b * e + q];
-                l[a * e + b] = sum;
-            }
+        for (a = 0; a < d; a++) /* the inverse has zeros above its diagonal */
+            for (b = 0; b < e; b++) l[a * e + b] = yci_block_dot(e, rest + a * e, inverse + b * e);
         f->mark[j] = k;
     }
     for (k = f->ptr[i]; k < f->ptr[i + 1]; k++) f->mark[f->col[k]] = -1;
