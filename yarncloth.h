@@ -6,8 +6,8 @@
  *                            #include "yarncloth.h"
  *   Everywhere else:         #include "yarncloth.h"
  *
- * DOES NOT (yet): move knits (they are laid and drawn), homogenised volumes, GPU, single precision, changing the yarn region while a scene runs,
- * contact of yarns inside one layer beyond what the weave itself gives.
+ * DOES NOT (yet): move knits (they are laid and drawn), homogenised volumes, GPU, single precision, changing the yarn
+ * region while a scene runs, contact of yarns inside one layer beyond what the weave itself gives.
  *
  * HELLO. A 20 cm swatch, held at two corners, swings for a second; see examples/hello.c, which is this text:
  *
@@ -377,9 +377,10 @@ typedef struct yc_mesh {
 #define YC_WEFT 1 /* runs along u */
 #define YC_ROD 2  /* runs along a seam and holds the yarns that end there */
 
-/* A stitch contact of a knit: where a loop is drawn through an older one, two yarns, or two places of one yarn, run side
- * by side from node A, the outer and lower one, to node B, the inner and upper one, and wrap about each other there.
- * Below A come the old loop's leg and the new one's foot, above B leave the old loop's head and the new one's leg. */
+/* A stitch contact of a knit: where a loop is drawn through an older one, two yarns, or two places of one yarn, run
+ * side by side from node A, the outer and lower one, to node B, the inner and upper one, and wrap about each other
+ * there. Below A come the old loop's leg and the new one's foot, above B leave the old loop's head and the new one's
+ * leg. */
 typedef struct yc_stitch_contact {
     int visit[2][2]; /* [old loop 0, new loop 1][A 0, B 1]; the two visits of a loop follow each other, either way */
     /* +1, -1: the sign of the wrapping angle: + at the left contact of a knit, - at its right one, reversed for a purl,
@@ -656,17 +657,17 @@ typedef struct yc_chart {
  * there is a multiple, all rows must fit onto each other for n = 1 and n = 2.
  * *out receives the chart, untouched on failure, free with yc_chart_destroy. host NULL is a zeroed one; message is NULL
  * or YC_MESSAGE_SIZE bytes.
- * Errors: PARSE (the message names line, row, and the stitch by its number in the row as written: one that is not known,
- * a cable, which stitch contacts cannot hold, a repeat that does not fit), ARGUMENT (text or out NULL), MEMORY. Cost:
- * linear in the text and in the items that its brackets stand for. */
+ * Errors: PARSE (the message names line, row, and the stitch by its number in the row as written: one that is not
+ * known, a cable, which stitch contacts cannot hold, a repeat that does not fit), ARGUMENT (text or out NULL), MEMORY.
+ * Cost: linear in the text and in the items that its brackets stand for. */
 YC_API yc_result yc_chart_read(
     const yc_host *host, const char *text, size_t length, const char *name, yc_chart *out, char *message);
 
 /* Frees what yc_chart_read made and zeroes the struct. NULL is fine; a caller's own chart is left alone. */
 YC_API void yc_chart_destroy(yc_chart *chart);
 
-/* A piece of knitting: cast on by backward loops, worked by the chart's rows, which begin anew after the last one, bound
- * off by a chain. One yarn does it all. */
+/* A piece of knitting: cast on by backward loops, worked by the chart's rows, which begin anew after the last one,
+ * bound off by a chain. One yarn does it all. */
 typedef struct yc_knit_desc {
     unsigned cookie;       /* set by yc_knit_desc_default() */
     const yc_chart *chart; /* NULL: stockinette; default NULL */
@@ -681,8 +682,8 @@ typedef struct yc_knit_desc {
 } yc_knit_desc;
 YC_API yc_knit_desc yc_knit_desc_default(void);
 
-/* A knit fabric that has a name, as yc_fabric_get tells of it: its chart, wales, courses, loop and yarn; the rest is the
- * default. Errors: ARGUMENT (out NULL, a woven fabric, or a name that is none); then *out is untouched. */
+/* A knit fabric that has a name, as yc_fabric_get tells of it: its chart, wales, courses, loop and yarn; the rest is
+ * the default. Errors: ARGUMENT (out NULL, a woven fabric, or a name that is none); then *out is untouched. */
 YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
 
 /* Knits. The network's layout is seen from the right side, the cast-on at the bottom (z = 0; in the round a tube about
@@ -6263,9 +6264,10 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol ? chol->co
  * then into matrices of the loom.
  *
  * Charts are read line by line into rows of items: stitches, how often; brackets are written out, a row's one repeat
- * stays one. Knitting works them stitch by stitch on a needle of loops (yci_knit_loop): what is drawn through what, in which
- * order, from the front, all turned to how it looks from the right side. A bar that m1 lifts becomes a loop of its row
- * after the fact. Springs then place the loops' bases; nodes, visits and contacts follow from loops alone, see yc_knit.
+ * stays one. Knitting works them stitch by stitch on a needle of loops (yci_knit_loop): what is drawn through what, in
+ * which order, from the front, all turned to how it looks from the right side. A bar that m1 lifts becomes a loop of
+ * its row after the fact. Springs then place the loops' bases; nodes, visits and contacts follow from loops alone, see
+ * yc_knit.
  *
  * Promises: the result depends on nothing but the inputs; time is linear in triangles, crossings and yarns, but for the
  * sorting of the cuts; working memory is freed before return, and the network is one block.
@@ -9409,7 +9411,7 @@ static yc_result yci_knit_follow(yci_knitter *k) {
     return YC_OK;
 }
 
-/* Sets `count` points that begin (side 1) or end (side 0) the segment d from or to `at`, with equal shares of a turn. */
+/* Sets `count` points that begin (side 1) or end (side 0) the segment d from or to `at`: equal shares of a turn. */
 static void yci_knit_cut(const double *at, const double *d, double turn, int side, int count, double (*out)[2]) {
     double x[2], angle, step = side ? YCI_KNIT_STEP : -YCI_KNIT_STEP;
     int i;
@@ -9464,6 +9466,7 @@ static void yci_knit_turns(yci_knitter *k) {
         v->turn = atan2(d[0][0] * d[1][1] - d[0][1] * d[1][0], d[0][0] * d[1][0] + d[0][1] * d[1][1]);
         v->after = !v->joined &&
             (v[-1].joined || d[1][0] * d[1][0] + d[1][1] * d[1][1] >= d[0][0] * d[0][0] + d[0][1] * d[0][1]);
+        if (v[-1].node == v->node || v->node == v[1].node) v->turn = 0.0;
         if (fabs(v->turn) > YCI_KNIT_TURN)
             v->cuts[v->after] = (unsigned char)(1 + (fabs(v->turn) > 1.5 * YCI_KNIT_TURN));
         if (v->node == v[1].node) v->cuts[1] = 1;
@@ -16549,7 +16552,8 @@ YC_API yc_result yc_scene_stress(yc_scene *s, int cloth, double *out) {
  * (1 - n w) x + w sum, w = (5/8 - (3/8 + cos(2 pi/n)/4)^2)/n, on borders 3/4 x + 1/8 (a + b).
  *
  * Promises: every loop of yci_parallel writes what it owns, no sum crosses a block. Workspace: curves 28 bytes per
- * visit, 8 per node (12 in knits) and 4 per curve; tubes none; subdivision at most 20 bytes per triangle corner and 4 per vertex.
+ * visit, 8 per node (12 in knits) and 4 per curve; tubes none; subdivision at most 20 bytes per triangle corner and 4
+ * per vertex.
  * ===================================================================================================================== */
 
 #define YCI_OUTPUT_GRAIN 64 /* curves or visits in a block of a parallel loop */
@@ -16684,8 +16688,8 @@ static void yci_curve_normal(const yci_curve_work *w, int a, int b, double *n) {
     yci_cross(n, s, t), yci_normalize(n, zero);
 }
 
-/* The normal of a stitch contact's plane, towards the side of layer +1: where the new loop lies before the old one
- * at B, that is the knit side. Followed from A to B, the old yarn turns to the right of the new one at B and to the left
+/* The normal of a stitch contact's plane, towards the side of layer +1: where the new loop lies before the old one at
+ * B, that is the knit side. Followed from A to B, the old yarn turns to the right of the new one at B and to the left
  * of it at A where the contact is the left one of a knit. */
 static void yci_curve_contact(const yci_curve_work *w, const yc_stitch_contact *s, double *n) {
     const double zero[3] = {0.0, 0.0, 0.0};

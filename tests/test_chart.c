@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Row instructions of common stitches, as stitch dictionaries give them: facts, in wording of our own. Their counts were
- * checked for one, two and five repeats. */
+/* Row instructions of common stitches, as stitch dictionaries give them: facts, in wording of our own. Their counts
+ * were checked for one, two and five repeats. */
 static const char charts[] =
     "pattern: Stockinette\n"
     "multiple: 1 + 0\n"
@@ -156,7 +156,7 @@ static void put_away(yci_knitter *k) {
     yci_free(k->c, k->loops), yci_free(k->c, k->olds), yci_free(k->c, k->needle), yci_free(k->c, k->fresh);
 }
 
-/* Every loop but the yarn's end is held by one or two loops of its own row or later, and the yarn passes all of them. */
+/* Every loop but the yarn's end is held by one or two loops of its own row or later; the yarn passes all of them. */
 static void check_loops(const yc_knit_desc *d) {
     yci_context c;
     yci_knitter k;
