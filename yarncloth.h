@@ -600,13 +600,14 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out);
 
 /* Stitches by their names in knitting instructions. Stacks are given as the worker sees them. */
 typedef enum yc_stitch {
-    YC_STITCH_K,              /* knit: the new loop comes through the old one from the back */
-    YC_STITCH_P,              /* purl: from the front */
-    YC_STITCH_SL1,            /* slip: the old loop is carried up, the yarn passes behind it */
-    YC_STITCH_KTBL,           /* knit through the back loop: the old loop's legs cross */
-    YC_STITCH_PTBL,           /* the same, purled */
-    YC_STITCH_YO,             /* yarn over: a loop through no other, which leaves a hole */
-    YC_STITCH_M1,             /* make one: knit, twisted, through the bar between two stitches of the row below */
+    YC_STITCH_K,    /* knit: the new loop comes through the old one from the back */
+    YC_STITCH_P,    /* purl: from the front */
+    YC_STITCH_SL1,  /* slip: the old loop is carried up, the yarn passes behind it */
+    YC_STITCH_KTBL, /* knit through the back loop: the old loop's legs cross */
+    YC_STITCH_PTBL, /* the same, purled */
+    YC_STITCH_YO,   /* yarn over: a loop through no other, which leaves a hole */
+    /* make one: knit, twisted, through the bar between two stitches that the row below has made, once for each bar */
+    YC_STITCH_M1,
     YC_STITCH_KFB,            /* knit front and back: two loops through one */
     YC_STITCH_K2TOG,          /* one loop through two, the left one on top */
     YC_STITCH_P2TOG,          /* the same, purled */
@@ -8816,6 +8817,14 @@ static yc_result yci_chart_pattern(yci_chart_reader *r, const char *name) {
     return YC_OK;
 }
 
+/* "chart line 12, row 3", or "chart row 3" without a text. */
+static const char *yci_chart_row_name(const yc_chart *chart, int row, char place[64]) {
+    int line = chart->rows[row].line, at = line ? snprintf(place, 64, "chart line %d,", line) : 5;
+    if (!line) memcpy(place, "chart", 5);
+    snprintf(place + at, 64 - (size_t)at, " row %d", row + 1);
+    return place;
+}
+
 /* How often a row's repeat is worked on that many stitches, and how many it leaves on the needle. */
 static yc_result yci_chart_fit(
     yci_context *c, const yc_chart *chart, int row, int stitches, int *times, double *makes) {
@@ -8835,8 +8844,7 @@ static yc_result yci_chart_fit(
         *makes += (double)yci_stitches[chart->items[i].stitch].makes * chart->items[i].times * k;
     }
     if (left == 0.0) return YC_OK;
-    i = r->line ? snprintf(place, sizeof place, "chart line %d, ", r->line) : 0;
-    snprintf(place + i, sizeof place - (size_t)i, "%srow %d", r->line ? "" : "chart ", row + 1);
+    yci_chart_row_name(chart, row, place);
     if (uses[1] > 0.0 && left > 0.0)
         return YCI_FAIL(c, YC_ERROR_ARGUMENT,
             "%s: uses %.0f of %d stitches, and its repeat of %.0f does not fit the rest", place, stitches - left,
@@ -9142,6 +9150,7 @@ static yc_result yci_knit_row(yci_knitter *k, const yc_chart *chart, int row) {
     int part, at, i, n, times[3] = {1, 1, 1}, begin[3], end[3], backward = r->wrong_side && k->desc->round;
     int first = k->loop_count, done;
     double makes;
+    char place[64];
     yc_result result = yci_chart_fit(k->c, chart, row, k->needle_count, &times[1], &makes);
     if (result != YC_OK) return result;
     if (makes > YCI_KNIT_LOOPS) return YCI_FAIL(k->c, YC_ERROR_ARGUMENT, "knit: more than %d loops", YCI_KNIT_LOOPS);
@@ -9156,8 +9165,8 @@ static yc_result yci_knit_row(yci_knitter *k, const yc_chart *chart, int row) {
                     if (!done) return yci_knit_room(k);
                     if (done < 0)
                         return YCI_FAIL(k->c, YC_ERROR_ARGUMENT,
-                            "chart line %d, row %d: m1 after %d stitches finds no bar between two of the row below",
-                            r->line, row + 1, k->used);
+                            "%s: m1 after %d stitches finds no bar between two of the row below",
+                            yci_chart_row_name(chart, row, place), k->used);
                 }
             }
     }

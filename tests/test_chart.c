@@ -225,12 +225,14 @@ static void check_network(const yc_yarns *y, int crowded) {
     free(visits), free(contacts), free(other), free(layers);
 }
 
-/* Curves pass their nodes on the side that their layers say; `round`: outward of the axis is up. Returns the share of
- * the visits that do not. */
+/* Curves pass their nodes on the side that their layers say, which is +z, or in the round outward of the axis. There
+ * all rows run to the left, so that the first leg of a crossing goes up to the left: it passes outside, whatever its
+ * layer. Returns the share of the visits that do not. */
 static double wrong_sides(const yc_yarns *y, int round) {
     yc_curve_desc d = yc_curve_desc_default();
     yc_curves c;
     unsigned char *named = (unsigned char *)calloc((size_t)y->visit_count, 1);
+    unsigned char *crossed = (unsigned char *)calloc((size_t)y->node_count, 1);
     int v, wrong = 0, all = 0;
     memset(&c, 0, sizeof c);
     d.steps = 1;
@@ -244,10 +246,12 @@ static double wrong_sides(const yc_yarns *y, int round) {
         const double *x = y->layout[y->visit_node[v]];
         double out = round ? ((double)c.points[v][0] - x[0]) * x[0] + ((double)c.points[v][2] - x[2]) * x[2]
                            : (double)c.points[v][2];
-        if (!y->visit_layer[v] || (round && !named[v])) continue; /* legs that cross: see yci_knit_cross_layers */
-        all++, wrong += !(out * y->visit_layer[v] > 0.0);
+        int side = y->visit_layer[v];
+        if (!side) continue;
+        if (round && !named[v]) side = crossed[y->visit_node[v]]++ ? -1 : 1;
+        all++, wrong += !(out * side > 0.0);
     }
-    free(c.first), free(c.radius), free(c.yarn), free(c.points), free(named);
+    free(c.first), free(c.radius), free(c.yarn), free(c.points), free(named), free(crossed);
     return (double)wrong / all;
 }
 
