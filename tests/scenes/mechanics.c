@@ -144,6 +144,7 @@ yc_result scene_tensile_run(const scene_tensile_desc *d, scene_tensile *out, cha
         if (result == YC_OK) out->count++, out->newton = s->newton;
         if (out->force[k] > d->force) break;
     }
+    if (result == YC_OK && d->show) d->show(s);
     return finish(s, result, message);
 }
 
@@ -206,6 +207,7 @@ yc_result scene_shear_run(const scene_shear_desc *d, scene_shear_loop *out, char
         double angle = i <= n ? i * step : i <= 3 * n ? (2 * n - i) * step : (i - 4 * n) * step, force;
         int up = i > 3 * n, side, k;
         result = turn(s, d->axis, strain, angle, &force);
+        if (i == n && result == YC_OK && d->show) d->show(s);
         for (side = 0; side < 2 && i > n; side++)
             for (k = 0; k < 2; k++) { /* linear between the two steps around */
                 double wanted = (side ? 1.0 : -1.0) * (k ? high : low), before = angle - (up ? step : -step);
@@ -278,6 +280,7 @@ yc_result scene_cantilever_run(const scene_cantilever_desc *d, scene_cantilever 
         out->rigidity = load * out->length * out->length * out->length;
     }
     out->newton = s->newton;
+    if (d->show) d->show(s);
     return finish(s, result, message);
 }
 
@@ -288,7 +291,7 @@ enum { DISC = 240 }; /* corners of its outline */
 scene_drape_desc scene_drape_desc_default(const yc_weave_desc *weave) {
     scene_drape_desc d;
     d.weave = *weave;
-    d.radius = 0.15, d.support = 0.09, d.dt = 0.01, d.duration = 1.5;
+    d.radius = 0.15, d.support = 0.09, d.dt = 0.01, d.duration = 1.5, d.show = NULL;
     return d;
 }
 
@@ -370,5 +373,6 @@ yc_result scene_drape_run(const scene_drape_desc *d, scene_drape *out, char *mes
     }
     out->coefficient = shadow(s, d, &out->folds), out->drift -= out->coefficient;
     out->crossings = s->yarns.visit_count - s->yarns.node_count;
+    if (result == YC_OK && d->show) d->show(s);
     return finish(s, result, message);
 }

@@ -31,6 +31,9 @@ yc_result scene_sample_solve(scene_sample *sample, double dt);
 /* The node nearest to a place of the pattern. */
 int scene_sample_nearest(const scene_sample *sample, double u, double v);
 
+/* Called with a sample where it is deformed most, for a picture of it. */
+typedef void (*scene_show)(const scene_sample *sample);
+
 /* ---- tension -------------------------------------------------------------------------------------------------- */
 
 #define SCENE_CURVE 256
@@ -43,6 +46,7 @@ typedef struct scene_tensile_desc {
     double step;       /* of the strain */
     double force;      /* N/m, at which the test ends */
     double strain;     /* or at this strain of the whole */
+    scene_show show;   /* NULL: none */
 } scene_tensile_desc;
 
 /* Strain of the middle, along and across, and force; the first point is 0. */
@@ -69,6 +73,7 @@ typedef struct scene_shear_desc {
     double tension;    /* N/m, along them */
     double angle;      /* rad, of the loop */
     int steps;         /* from 0 to there */
+    scene_show show;   /* NULL: none */
 } scene_shear_desc;
 
 typedef struct scene_shear_loop {
@@ -90,6 +95,7 @@ typedef struct scene_cantilever_desc {
     int axis;        /* of the strip: yarns along u or v bend */
     int across;      /* its yarns */
     double overhang; /* m */
+    scene_show show; /* NULL: none */
 } scene_cantilever_desc;
 
 typedef struct scene_cantilever {
@@ -112,6 +118,7 @@ typedef struct scene_drape_desc {
     yc_weave_desc weave;
     double radius, support; /* m */
     double dt, duration;    /* s, of a damped motion from flat to rest */
+    scene_show show;        /* NULL: none */
 } scene_drape_desc;
 scene_drape_desc scene_drape_desc_default(const yc_weave_desc *weave); /* 30 cm on 18 cm */
 
