@@ -12775,9 +12775,10 @@ static yc_result yci_system_parts(yci_system *s, const yci_system_input *in) {
     s->mass = YCI_NEW(c, double, s->mass_at[in->n]);
     if (!s->mass) return YC_ERROR_MEMORY;
     memcpy(s->vertex_node, in->vertex_node, (size_t)in->vertex_count * sizeof(int));
-    memcpy(s->is_hybrid, in->is_hybrid, (size_t)in->n), memcpy(s->is_yarn, in->is_yarn, (size_t)in->n);
-    for (i = 0; i < in->n; i++)
+    for (i = 0; i < in->n; i++) {
+        s->is_hybrid[i] = in->is_hybrid[i], s->is_yarn[i] = in->is_yarn[i];
         if (in->is_hybrid[i]) s->hybrid_node[s->hybrid_count++] = i;
+    }
     if (s->solver == YC_SOLVER_DIRECT) {
         result = yci_ldl_analyze_bsr(c, &s->a, NULL, 1, &s->direct);
         if (result != YC_OK) return result;
