@@ -451,8 +451,9 @@ typedef struct yc_weave_desc {
     /* along welded seams of a mesh; rod.density = 0: no rods. Default: the yarn's, twice as heavy */
     yc_yarn_material rod;
     /* [YC_WARP], [YC_WEFT]: length of a yarn over the length of its cloth, less 1, the mean over the family's yarns and
-     * the draft's repeat; [0, 0.5]; default 0, 0. Where one is above 0 yarns undulate (visit_height, one for each
-     * family), density is that of the straightened yarn, and cloth stretches by straightening them first */
+     * the draft's repeat; from 0 to half the share of crossings behind which a yarn changes sides; default 0, 0. Where
+     * one is above 0 yarns undulate (visit_height, one for each family), density is that of the straightened yarn, and
+     * cloth stretches by straightening them first */
     double crimp[2];
     yc_edge edge[2]; /* [YC_WARP], [YC_WEFT]: ends of that family at a free outline; default YC_EDGE_CUT, twice */
     /* [1, 1000]; default 1. Yarns that are laid as one: spacing is that many times as wide and materials are changed so
@@ -467,8 +468,8 @@ YC_API yc_weave_desc yc_weave_desc_default(void);
 /* Lays a weave over every UV island of `mesh` (clipped exactly at the island's outline, tied to a rod along every edge
  * where two islands are welded), or over a rectangle [0,w] x [0,h] of its own when mesh is NULL.
  * desc     not NULL; mesh  NULL, or a mesh with a UV area > 0 in every triangle
- * out      receives the network; untouched on failure; free with yc_yarns_destroy. Its materials are warp, weft, rod if
- *          there are rods, then the list
+ * out      receives the network; untouched on failure; free with yc_yarns_destroy. Its materials are warp, weft,
+ *          rod unless rod.density is 0, then the list
  * message  NULL or YC_MESSAGE_SIZE bytes for the reason of a failure
  * Errors: ARGUMENT, TOPOLOGY, MEMORY. Cost: linear in triangles and crossings. */
 YC_API yc_result yc_weave(
@@ -587,7 +588,7 @@ typedef enum yc_fabric_name {
 typedef struct yc_fabric {
     const char *name;    /* "cotton shirting" */
     const char *source;  /* a sentence: where the numbers come from and how sure they are */
-    int woven;           /* nonzero: `weave` holds; 0, a knit: yarn, wales, courses, loop */
+    int woven;           /* nonzero: `weave` holds; 0, a knit: yarn, wales, courses, loop, and `weave` is zero */
     yc_weave_desc weave; /* with its draft; size and grain are the defaults */
     yc_yarn_material yarn;
     double wales, courses; /* per m, of the relaxed fabric; wales of both faces */
@@ -880,7 +881,8 @@ typedef struct yc_stats {
 } yc_stats;
 
 /* Makes an empty scene. desc not NULL and made by a default function; host NULL is a zeroed one. On failure *out is
- * NULL and the reason is in message (NULL, or YC_MESSAGE_SIZE bytes). */
+ * NULL and the reason is in message (NULL, or YC_MESSAGE_SIZE bytes). All functions below need a scene: only
+ * yc_scene_destroy and yc_scene_message may be given NULL. */
 YC_API yc_result yc_scene_create(const yc_host *host, const yc_scene_desc *desc, yc_scene **out, char *message);
 YC_API void yc_scene_destroy(yc_scene *scene); /* NULL is fine */
 
@@ -6344,10 +6346,13 @@ YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc) {
     yc_yarn_material warp = yci_weave_mean(desc, YC_WARP), weft = yci_weave_mean(desc, YC_WEFT);
     yc_triangle_material m;
     const unsigned char *draft = desc->draft ? desc->draft : yci_draft_tabby;
-    double s0 = desc->spacing[0], s1 = desc->spacing[1], bind = 0.0;
+    double s0 = desc->spacing[0], s1 = desc->spacing[1], bind = 0.0, length[2];
     int f, tabby[2] = {2, 2};
-    for (f = 0; f < 2; f++) bind += 0.5 * yci_weave_changes(draft, desc->draft ? desc->repeat : tabby, f);
-    m.density = warp.density * (1.0 + desc->crimp[YC_WARP]) / s0 + weft.density * (1.0 + desc->crimp[YC_WEFT]) / s1;
+    for (f = 0; f < 2; f++) {
+        double changes = yci_weave_changes(draft, desc->draft ? desc->repeat : tabby, f);
+        bind += 0.5 * changes, length[f] = changes > 0.0 ? 1.0 + desc->crimp[f] : 1.0;
+    }
+    m.density = warp.density * length[YC_WARP] / s0 + weft.density * length[YC_WEFT] / s1;
     m.stretch[0] = weft.stretch / s1, m.stretch[1] = warp.stretch / s0;
     m.coupling = 0.0;
     /* A crossing pays 1/2 k L phi^2 for each of its four pairs of segments, L the mean spacing, on an area of s0 s1. */
@@ -6512,9 +6517,9 @@ static yc_result yci_yarns_check_nodes(yci_context *c, const yc_yarns *y, const 
     for (i = 0; i < y->node_count; i++) {
         double sum = 0.0;
         for (k = 0; k < 3; k++)
-            if (!yci_finite(y->layout[i][k]))
+            if (!(fabs(y->layout[i][k]) <= 1e6))
                 return YCI_FAIL(
-                    c, YC_ERROR_ARGUMENT, "yarns.layout[%d][%d] = %g must be finite", i, k, y->layout[i][k]);
+                    c, YC_ERROR_ARGUMENT, "yarns.layout[%d][%d] = %g must lie in -1e6 .. 1e6", i, k, y->layout[i][k]);
         if (!mesh) continue;
         if (y->triangle[i] < 0 || y->triangle[i] >= mesh->triangle_count)
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.triangle[%d] = %d must lie in 0 .. %d", i, y->triangle[i],
@@ -6552,11 +6557,16 @@ static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *
             if (node < 0 || node >= y->node_count)
                 return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "yarns.visit_node[%d] = %d must lie in 0 .. %d", k, node, y->node_count - 1);
-            if (!yci_finite(y->visit_u[k]))
-                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_u[%d] = %g must be finite", k, y->visit_u[k]);
-            if (k > first && !(y->visit_u[k] > y->visit_u[k - 1]))
-                return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.visit_u[%d] = %g must be greater than the %g before it", k,
+            if (!(fabs(y->visit_u[k]) <= 1e6))
+                return YCI_FAIL(
+                    c, YC_ERROR_ARGUMENT, "yarns.visit_u[%d] = %g must lie in -1e6 .. 1e6", k, y->visit_u[k]);
+            if (k > first && !(y->visit_u[k] - y->visit_u[k - 1] >= 1e-9))
+                return YCI_FAIL(c, YC_ERROR_TOPOLOGY,
+                    "yarns.visit_u[%d] = %.12g must be at least 1e-9 greater than the %.12g before it", k,
                     y->visit_u[k], y->visit_u[k - 1]);
+            if (y->visit_held[k] > 2)
+                return YCI_FAIL(
+                    c, YC_ERROR_ARGUMENT, "yarns.visit_held[%d] = %d must lie in 0 .. 2", k, y->visit_held[k]);
             if (k > first && node == y->visit_node[k - 1])
                 return YCI_FAIL(
                     c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: the same node twice in a row", k, node);
@@ -6729,6 +6739,14 @@ static yc_result yci_weave_check(yci_context *c, const yc_weave_desc *d, int wit
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be finite", i, d->size[i]);
         if (!with_mesh && d->size[i] <= 0.0)
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.size[%d] = %g must be greater than 0", i, d->size[i]);
+    }
+    for (i = 0; i < 2 && d->draft; i++) {
+        double length = yci_weave_length(d->draft, d->repeat, i, d->crimp[i]);
+        if (length > 1.5 * (1.0 + 1e-12))
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT,
+                "weave.crimp[%d] = %g: the draft changes sides so rarely that a yarn would be %g spacings long there, "
+                "more than 1.5",
+                i, d->crimp[i], length);
     }
     if (!yci_finite(d->grain)) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "weave.grain = %g must be finite", d->grain);
     if (d->bundle < 1 || d->bundle > 1000)
@@ -8507,9 +8525,9 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
         yarns[f] = yci_yarn_make(&yarn);
         yci_fabric_range(out->bending[f], row->bending[f], 1e-6);
     }
-    weave = &out->weave, *weave = yc_weave_desc_default();
     if (out->woven) {
-        weave->warp = weave->weft = yarns[0], weave->weft = yarns[1], weave->rod = yarns[0], weave->rod.density *= 2.0;
+        weave = &out->weave, *weave = yc_weave_desc_default();
+        weave->warp = yarns[0], weave->weft = yarns[1], weave->rod = yarns[0], weave->rod.density *= 2.0;
         weave->draft = row->draft;
         for (f = 0; f < 2; f++) {
             weave->spacing[f] = 0.01 / row->per_cm[f], weave->crimp[f] = 0.01 * row->crimp[f];
@@ -8868,8 +8886,8 @@ static yc_result yci_chart_pattern(yci_chart_reader *r, const char *name) {
 
 /* "chart line 12, row 3", or "chart row 3" without a text. */
 static const char *yci_chart_row_name(const yc_chart *chart, int row, char place[64]) {
-    int line = chart->rows[row].line, at = line ? snprintf(place, 64, "chart line %d,", line) : 5;
-    if (!line) memcpy(place, "chart", 5);
+    int line = chart->rows[row].line;
+    int at = line ? snprintf(place, 64, "chart line %d,", line) : snprintf(place, 64, "chart");
     snprintf(place + at, 64 - (size_t)at, " row %d", row + 1);
     return place;
 }
@@ -10293,7 +10311,7 @@ YC_FN double yci_yarn_compression(const double *low, const double *high, const d
 
 YC_FN void yci_yarn_stack_compression(
     double *lambda, int n, const double *load, const double *below, const double *above) {
-    double pivot[YCI_STACK], side[YCI_STACK];
+    double pivot[YCI_STACK] = {0.0}, side[YCI_STACK] = {0.0};
     int pressed[YCI_STACK] = {0}, grown = 1;
     yci_zero(lambda, n - 1);
     while (grown) {
@@ -13326,7 +13344,8 @@ static yc_result yci_triangle_material_check(yci_context *c, const yc_triangle_m
     yc_result r = yci_scene_range(c, "cloth.material.density", m->density, 0.0, big, 1);
     if (r == YC_OK) r = yci_scene_range(c, "cloth.material.stretch[0]", m->stretch[0], 0.0, big, 1);
     if (r == YC_OK) r = yci_scene_range(c, "cloth.material.stretch[1]", m->stretch[1], 0.0, big, 1);
-    if (r == YC_OK) r = yci_scene_range(c, "cloth.material.coupling", fabs(m->coupling), 0.0, 0.999999 * limit, 0);
+    if (r == YC_OK)
+        r = yci_scene_range(c, "cloth.material.coupling", m->coupling, -0.999999 * limit, 0.999999 * limit, 0);
     if (r == YC_OK) r = yci_scene_range(c, "cloth.material.shear", m->shear, 0.0, big, 1);
     if (r == YC_OK) r = yci_scene_range(c, "cloth.material.bending", m->bending, 0.0, big, 0);
     return r;
@@ -13339,6 +13358,29 @@ static yc_result yci_array_check(
         if (!(values[i] <= hi && (open ? values[i] > lo : values[i] >= lo)))
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.%s[%d] = %g must be %s %g and at most %g", field, i, values[i],
                 open ? "greater than" : "at least", lo, hi);
+    return YC_OK;
+}
+
+/* Where yarn nodes start, unless that is on a mesh: neighbours on a yarn need a direction. */
+static yc_result yci_cloth_check_starts(yci_context *c, const yc_cloth_desc *d) {
+    const char *field = d->yarn_positions ? "cloth.yarn_positions" : "yarns.layout";
+    const yc_yarns *y = d->yarns;
+    const double(*x)[3] = d->yarn_positions ? d->yarn_positions : (const double(*)[3])y->layout;
+    int i, k, yarn;
+    for (i = 0; i < y->node_count; i++)
+        for (k = 0; k < 3; k++)
+            if (!(fabs(x[i][k]) <= 1e6))
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s[%d][%d] = %g must lie in -1e6 .. 1e6", field, i, k, x[i][k]);
+    for (yarn = 0; yarn < y->yarn_count; yarn++)
+        for (k = y->yarn_first[yarn] + 1; k < y->yarn_first[yarn + 1]; k++) {
+            int a = y->visit_node[k - 1], b = y->visit_node[k];
+            double d3[3];
+            yci_sub(d3, x[b], x[a]);
+            if (!(yci_norm(d3) >= 1e-9))
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT,
+                    "%s[%d] and [%d], neighbours on yarn %d, are %g m apart; at least 1e-9 is needed", field, a, b,
+                    yarn, yci_norm(d3));
+        }
     return YC_OK;
 }
 
@@ -13359,9 +13401,7 @@ static yc_result yci_cloth_check(yci_context *c, const yc_cloth_desc *d) {
     if (r == YC_OK) r = yci_array_check(c, "alpha", d->alpha, d->mesh.vertex_count, 0.0, 1.0, 0);
     if (r == YC_OK) r = yci_array_check(c, "grain", d->grain, d->mesh.triangle_count, -1e3, 1e3, 0);
     if (r == YC_OK) r = yci_array_check(c, "prestretch", d->prestretch, d->mesh.triangle_count, 0.0, 1e3, 1);
-    if (r == YC_OK && d->yarn_positions && d->yarns)
-        r = yci_array_check(
-            c, "yarn_positions", (const double *)d->yarn_positions, 3 * d->yarns->node_count, -1e9, 1e9, 0);
+    if (r == YC_OK && d->yarns && (d->yarn_positions || !d->mesh.vertex_count)) r = yci_cloth_check_starts(c, d);
     return r;
 }
 
@@ -13565,6 +13605,7 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
 
 static yc_result yci_handle_check(yci_context *c, const char *what, int handle, int count) {
     if (handle >= 0 && handle < count) return YC_OK;
+    if (!count) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s handle %d: the scene has none", what, handle);
     return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s handle %d is not in [0, %d)", what, handle, count);
 }
 
@@ -16683,7 +16724,8 @@ YC_API yc_result yc_scene_pin_force(const yc_scene *s, int cloth, yc_point kind,
     yc_result result = yci_scene_point(scene, cloth, kind, index, &node);
     if (result != YC_OK) return result;
     if (!s->model || !s->pin[node])
-        return YCI_FAIL(&scene->c, YC_ERROR_ARGUMENT, "%d of cloth %d has not been pinned in a step", index, cloth);
+        return YCI_FAIL(&scene->c, YC_ERROR_ARGUMENT, "%s %d of cloth %d has not been pinned in a step",
+            kind == YC_VERTEX ? "vertex" : "node", index, cloth);
     if (node < s->vertices && s->model->holder[node] >= 0) node = s->model->holder[node];
     yci_zero(force, 3);
     if (s->model->system_node[node] > -2) return YC_OK;

@@ -678,6 +678,7 @@ static void refused(const yc_weave_desc *d, const yc_mesh *mesh, yc_result code,
 
 TEST(fabric_weave_refuses) {
     static const int order[3] = {0, 1, 2};
+    static const unsigned char floats[8] = {1, 0, 0, 0, 0, 0, 0, 0};
     yc_yarn_material colours[2] = {yc_yarn_material_default(), yc_yarn_material_default()};
     yc_weave_desc d = yc_weave_desc_default(), good = d;
     yc_yarns y;
@@ -714,6 +715,15 @@ TEST(fabric_weave_refuses) {
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.friction = 11 must be at most 10");
     d = good, d.rod.density = -1.0;
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.rod.density = -1 must be greater than 0");
+    d = good, d.crimp[1] = 0.6;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.crimp[1] = 0.6 must lie in [0, 0.5]");
+    d = good, d.draft = floats, d.repeat[0] = 1, d.repeat[1] = 8, d.crimp[0] = 0.2;
+    refused(&d, NULL, YC_ERROR_ARGUMENT,
+        "weave.crimp[0] = 0.2: the draft changes sides so rarely that a yarn would be 1.8 spacings long there, more "
+        "than 1.5");
+    d.crimp[0] = 0.1, d.crimp[1] = 0.1; /* the wefts never change sides: they have none */
+    if (CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) yc_yarns_destroy(&y);
+    CHECK_NEAR(yc_weave_material(&d).density, (d.warp.density * 1.1 + d.weft.density) / d.spacing[0], 1e-15);
     d = good, d.edge[1] = (yc_edge)2;
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.edge[1] = 2 is none of yc_edge");
     d = good, d.bundle = 0;
@@ -836,7 +846,8 @@ TEST(fabric_check_refuses) {
     SPOILED(y.triangle, NULL, int *, YC_ERROR_ARGUMENT, "yarns.triangle and weights must not be NULL with a mesh");
     SPOILED(y.materials[0].stretch, -1.0, double, YC_ERROR_ARGUMENT,
         "yarns.materials[0].stretch = -1 must be greater than 0");
-    SPOILED(y.layout[5][1], HUGE_VAL, double, YC_ERROR_ARGUMENT, "yarns.layout[5][1] = inf must be finite");
+    SPOILED(y.layout[5][1], HUGE_VAL, double, YC_ERROR_ARGUMENT, "yarns.layout[5][1] = inf must lie in -1e6 .. 1e6");
+    SPOILED(y.layout[5][1], -1e7, double, YC_ERROR_ARGUMENT, "yarns.layout[5][1] = -1e+07 must lie in -1e6 .. 1e6");
     SPOILED(y.triangle[5], 2, int, YC_ERROR_ARGUMENT, "yarns.triangle[5] = 2 must lie in 0 .. 1");
     SPOILED(y.weights[5][0], HUGE_VAL, double, YC_ERROR_ARGUMENT, "yarns.weights[5][0] = inf must be finite");
     y.weights[5][0] += 0.5;
@@ -850,9 +861,12 @@ TEST(fabric_check_refuses) {
     SPOILED(y.yarn_family[1], 3, unsigned char, YC_ERROR_ARGUMENT, "yarns.yarn_family[1] = 3 must lie in 0 .. 2");
     SPOILED(y.yarn_material[1], 3, int, YC_ERROR_ARGUMENT, "yarns.yarn_material[1] = 3 must lie in 0 .. 2");
     SPOILED(y.visit_node[9], 32, int, YC_ERROR_ARGUMENT, "yarns.visit_node[9] = 32 must lie in 0 .. 31");
-    SPOILED(y.visit_u[9], HUGE_VAL, double, YC_ERROR_ARGUMENT, "yarns.visit_u[9] = inf must be finite");
+    SPOILED(y.visit_u[9], HUGE_VAL, double, YC_ERROR_ARGUMENT, "yarns.visit_u[9] = inf must lie in -1e6 .. 1e6");
     SPOILED(y.visit_u[9], 0.0, double, YC_ERROR_TOPOLOGY,
-        "yarns.visit_u[9] = 0 must be greater than the 0.00375 before it");
+        "yarns.visit_u[9] = 0 must be at least 1e-9 greater than the 0.00375 before it");
+    SPOILED(y.visit_u[9], y.visit_u[8] + 1e-10, double, YC_ERROR_TOPOLOGY,
+        "yarns.visit_u[9] = 0.0037500001 must be at least 1e-9 greater than the 0.00375 before it");
+    SPOILED(y.visit_held[9], 3, unsigned char, YC_ERROR_ARGUMENT, "yarns.visit_held[9] = 3 must lie in 0 .. 2");
     SPOILED(y.visit_layer[9], 2, signed char, YC_ERROR_ARGUMENT, "yarns.visit_layer[9] = 2 must lie in -1 .. 1");
     SPOILED(y.visit_node[2], y.visit_node[1], int, YC_ERROR_TOPOLOGY,
         "yarns.visit_node[2] = 0: the same node twice in a row");
@@ -1090,6 +1104,9 @@ TEST(fabric_presets) {
             }
             d->size[0] = d->size[1] = 0.01;
             if (CHECK_RESULT(yc_weave(NULL, d, NULL, &y, NULL), YC_OK)) yc_yarns_destroy(&y);
+        } else {
+            yc_yarns y;
+            CHECK_RESULT(yc_weave(NULL, &fabric.weave, NULL, &y, NULL), YC_ERROR_ARGUMENT);
         }
         CHECK(mass >= fabric.mass[0] && mass <= fabric.mass[1]);
     }

@@ -123,7 +123,7 @@ static void refuse_cloths(yc_scene *scene) {
     scene_swatch_desc desc = tiny(SCENE_MIXED);
     scene_swatch *s;
     int row;
-    for (row = 0; row < 44; row++) {
+    for (row = 0; row < 46; row++) {
         yc_result code = YC_ERROR_ARGUMENT;
         const char *words = "";
         yc_cloth_desc *d;
@@ -179,8 +179,14 @@ static void refuse_cloths(yc_scene *scene) {
         case 38: s->yarns.triangle[9] = 50, words = "triangle[9]|50"; break;
         case 39: s->yarns.yarn_family[2] = 9, words = "yarn_family[2]|9"; break;
         case 40: s->yarns.yarn_material[1] = 40, words = "yarn_material[1]|40"; break;
-        case 41: s->nodes[8][2] = NAN, words = "yarn_positions|nan"; break;
-        case 42: d->yarns = NULL, memset(&d->mesh, 0, sizeof d->mesh), words = "neither"; break;
+        case 41: s->nodes[8][2] = NAN, words = "yarn_positions[8][2]|nan"; break;
+        case 42: {
+            int a = s->yarns.visit_node[3], b = s->yarns.visit_node[4];
+            memcpy(s->nodes[b], s->nodes[a], sizeof s->nodes[b]), words = "yarn_positions|yarn 0|0 m";
+            break;
+        }
+        case 43: d->material.coupling = -1e9, words = "coupling|-1e+09|at most"; break;
+        case 44: d->yarns = NULL, memset(&d->mesh, 0, sizeof d->mesh), words = "neither"; break;
         default: d = NULL, words = "NULL"; break;
         }
         refused(yc_scene_add_cloth(scene, d, &handle), code, yc_scene_message(scene), words, 1000 + row);

@@ -50,7 +50,10 @@ static int quick, pictures;
 /* A measured range, and the share of it that is reached: inside 1, outside the quotient with the nearer end. */
 static double report_range(
     const char *name, const char *what, double value, const double range[2], double unit, const char *unit_name) {
-    double share = value < range[0] ? value / range[0] : value > range[1] ? range[1] / value : 1.0;
+    double share = value >= range[0] && value <= range[1] ? 1.0
+        : value < range[0]                                ? value / range[0]
+                                                          : range[1] / value;
+    if (!isfinite(value)) share = 0.0; /* a curve that ended before */
     say("%-17s%-22s%11.4g  %9.4g to %-9.4g %-8s %s\n", name, what, value / unit, range[0] / unit, range[1] / unit,
         unit_name, share >= 1.0 ? "in" : "out");
     return share;
@@ -217,7 +220,7 @@ static yc_result drape_of(const yc_weave_desc *weave, double width, int *bundle,
  * both. */
 static void report_drape(const yc_fabric *f) {
     static const double width[2] = {6.5e-3, 4.6e-3};
-    char message[YC_MESSAGE_SIZE], what[64];
+    char message[YC_MESSAGE_SIZE] = "", what[64];
     double share = 1.0;
     scene_drape drape;
     int pass, bundle;
@@ -271,6 +274,7 @@ static void order_goal(const char *what, const double value[3]) {
     double first = value[0] / value[1], second = value[1] / value[2];
     say("%-17splain / twill %.4f, twill / satin %.4f  %s\n", what, first, second,
         first > 1.0 && second > 1.0 ? "in order" : "not in order");
+    if (!isfinite(first + second)) first = 0.0; /* one was not measured */
     count_goal("weaves", what, first > 1.0 && second > 1.0 ? 1.0 : fmin(first, fmin(second, 0.999)));
 }
 

@@ -204,7 +204,7 @@ yc_result scene_shear_run(const scene_shear_desc *d, scene_shear_loop *out, char
     memset(out, 0, sizeof *out), memset(at, 0, sizeof at);
     if (result == YC_OK && d->tension > 0.0) result = tighten(s, d->axis, d->tension, &strain);
     for (i = 1; i <= 5 * n && result == YC_OK; i++) {
-        double angle = i <= n ? i * step : i <= 3 * n ? (2 * n - i) * step : (i - 4 * n) * step, force;
+        double angle = i <= n ? i * step : i <= 3 * n ? (2 * n - i) * step : (i - 4 * n) * step, force = 0.0;
         int up = i > 3 * n, side, k;
         result = turn(s, d->axis, strain, angle, &force);
         if (i == n && result == YC_OK && d->show) d->show(s);
