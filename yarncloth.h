@@ -920,8 +920,12 @@ typedef enum yc_event_type {
     YC_EVENT_MERGE,   /* `node`, which `yarn` visited alone, came too close to a crossing and is left out of the yarn */
     YC_EVENT_SPLIT,   /* a segment of `yarn` has become long: `node` is new in its middle */
     YC_EVENT_BREAK,   /* `yarn` broke: it ends in the new `node`, what is beyond it is the new yarn `other` */
-    YC_EVENT_LOOSE    /* `yarn` crosses no other any more; node is -1 */
+    YC_EVENT_LOOSE,   /* `yarn` crosses no other any more; node is -1 */
+    YC_EVENT_COUNT
 } yc_event_type;
+
+/* "release", "merge" and so on; never NULL. */
+YC_API const char *yc_event_name(yc_event_type type);
 
 typedef struct yc_event {
     yc_event_type type;
@@ -937,6 +941,7 @@ typedef struct yc_event {
  * - a segment longer than twice its pitch, and than twice what was laid there, gets a node;
  * - of the segments of a yarn whose tension exceeds its strength, and which are longer than 0.3 pitch, the one most
  *   overloaded breaks in its middle.
+ * Crossings never merge: contact of parallel yarns, and a floor under what is left of a segment, keep two apart.
  * Mass, linear momentum and the positions of all nodes are what they were. Nodes and yarns keep their numbers for ever;
  * new ones come last, except that a node which an event has made may serve again once it is idle. Visits are numbered
  * anew. Pinned nodes, and ends that are tied to a crossing, to a rod or secured (visit_held), are not let go. */
@@ -13156,6 +13161,11 @@ YC_API const char *yc_term_name(yc_term term) {
     static const char *const names[] = {"kinetic", "gravity", "stretch", "bending", "shear", "adjacent", "flattening",
         "slide", "membrane", "hinge", "seam", "body", "pair"};
     return (int)term >= 0 && term < YC_TERM_COUNT ? names[term] : "unknown yc_term";
+}
+
+YC_API const char *yc_event_name(yc_event_type type) {
+    static const char *const names[] = {"release", "merge", "split", "break", "loose"};
+    return (int)type >= 0 && type < YC_EVENT_COUNT ? names[type] : "unknown yc_event_type";
 }
 
 YC_API yc_scene_desc yc_scene_desc_preset(yc_preset preset) {

@@ -24,11 +24,9 @@ typedef struct piece {
     yc_weave_desc weave;
     yc_yarns yarns; /* as woven */
     yc_scene *scene;
-    int ok, frames, events[5], substeps, newton;
+    int ok, frames, events[YC_EVENT_COUNT], substeps, newton;
     int pulled[4], pulled_count; /* yarns in the third colour */
 } piece;
-
-static const char *event_names[5] = {"released", "merged", "split", "broken", "loose"};
 
 /* The first failure is told, later calls do nothing. */
 static int fine(piece *p, yc_result result, const char *why) {
@@ -134,7 +132,7 @@ static void advance(piece *p, int row, int node) {
         printf("  nodes %d, unknowns %d, solver %s\n", s.full_nodes, s.dofs,
             s.solver == YC_SOLVER_DIRECT ? "direct" : "two-level");
         printf("  time, ms   Newton per sub-step   residual, N   force, mN");
-        for (i = 0; i < 5; i++) printf("%10s", event_names[i]);
+        for (i = 0; i < YC_EVENT_COUNT; i++) printf("%10s", yc_event_name((yc_event_type)i));
         printf("\n");
     }
     p->substeps += s.substeps, p->newton += s.newton;
@@ -143,7 +141,7 @@ static void advance(piece *p, int row, int node) {
     if (p->frames % row) return;
     printf("  %8.0f   %19.1f   %11.1e   %9.2f", 1e3 * yc_scene_time(p->scene), (double)p->newton / p->substeps,
         s.residual, node < 0 ? 0.0 : 1e3 * force_at(p, node));
-    for (i = 0; i < 5; i++) printf("%10d", p->events[i]);
+    for (i = 0; i < YC_EVENT_COUNT; i++) printf("%10d", p->events[i]);
     printf("\n");
     p->newton = p->substeps = 0;
 }

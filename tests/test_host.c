@@ -11,6 +11,9 @@ TEST(host_result_names) {
     CHECK_TEXT(yc_result_name(YC_ERROR_CANCELLED), "YC_ERROR_CANCELLED");
     CHECK_TEXT(yc_result_name((yc_result)-9), "unknown yc_result");
     CHECK_TEXT(yc_result_name((yc_result)1), "unknown yc_result");
+    CHECK_TEXT(yc_event_name(YC_EVENT_LOOSE), "loose");
+    CHECK_TEXT(yc_event_name(YC_EVENT_COUNT), "unknown yc_event_type");
+    CHECK_TEXT(yc_term_name(YC_TERM_COUNT), "unknown yc_term");
     CHECK_TEXT(yc_version(), YC_VERSION);
 }
 
