@@ -88,9 +88,9 @@ static void picture(const scene_sample *s) {
     if (!*picture_of) return;
     memcpy(view.from, from[!flat], sizeof view.from);
     view.fuller = fmax(1.0, 0.42 * fmin(w->spacing[0], w->spacing[1]) / fmax(w->warp.radius, w->weft.radius));
+    for (c = picture_of; *c; c++)
+        if (strchr(" ,/", *c)) *c = '-';
     snprintf(path, sizeof path, "out/woven-%s.png", picture_of);
-    for (c = path; *c; c++)
-        if (*c == ' ' || *c == ',') *c = '-';
     image = ex_yarns_draw(s->scene, 0, &view, NULL, &camera, 0, message);
     if (!image || !ex_image_write_png(image, path)) say("no picture %s: %s\n", path, image ? "writing" : message);
     ex_image_free(image);
