@@ -132,7 +132,8 @@ TEST(scene_solver_effort_stays_in_bounds) {
 }
 
 /* A flap of yarns held along one edge swings down: segments turn by a third of a radian in a step, which the tension
- * of a linear step would forbid. The last step is longer than the whole swing. */
+ * of a linear step would forbid. At 1 ms free flight and the tension of the step before leave one iteration to do. The
+ * last step is longer than the whole swing. */
 TEST(scene_solver_turning_yarns_take_few_iterations) {
     static const double h[] = {1e-3, 5e-3, 0.1};
     int i, k, step;
@@ -154,7 +155,7 @@ TEST(scene_solver_turning_yarns_take_few_iterations) {
             if (!CHECK_RESULT(yc_scene_step(scene, h[i], &stats), YC_OK)) break;
             newton += stats.newton, substeps += stats.substeps, rejected += stats.rejected;
         }
-        CHECK(newton <= (i < 2 ? 4 : 20) * substeps);
+        CHECK(2 * newton <= (i < 1 ? 3 : i < 2 ? 8 : 40) * substeps);
         CHECK(rejected <= (i < 2 ? 0 : 4));
         yc_scene_destroy(scene);
         scene_swatch_free(s);
