@@ -6,8 +6,8 @@
  *                            #include "yarncloth.h"
  *   Everywhere else:         #include "yarncloth.h"
  *
- * DOES NOT (yet): knits, homogenised volumes, GPU, single precision, changing the yarn region while a scene runs,
- * contact of yarns inside one layer beyond what the weave itself gives.
+ * DOES NOT (yet): move knits (they are laid and drawn), homogenised volumes, GPU, single precision, changing the yarn
+ * region while a scene runs, contact of yarns inside one layer beyond what the weave itself gives.
  *
  * HELLO. A 20 cm swatch, held at two corners, swings for a second; see examples/hello.c, which is this text:
  *
@@ -82,7 +82,7 @@
  *   >>vec        chapter 2: vectors of three, the one-sided law
  *   >>dense      chapter 3: small blocks, kernels, panels, LU with partial pivoting
  *   >>sparse     chapter 4: block matrices, ordering, L L^T and block L D L^T, incomplete factor
- *   >>fabric     chapter 5: weaves laid over a sewing pattern, seam rods, drafts, fabrics with names
+ *   >>fabric     chapter 5: weaves laid over a sewing pattern, seam rods, drafts, fabrics with names, charts, knits
  *   >>yarn       chapter 6: elements of the persistent-contact yarn model
  *   >>triangle   chapter 7: membrane and hinge elements
  *   >>contact    chapter 8: bodies, pairs, penalty and friction
@@ -380,6 +380,17 @@ typedef struct yc_mesh {
 #define YC_WEFT 1 /* runs along u */
 #define YC_ROD 2  /* runs along a seam and holds the yarns that end there */
 
+/* A stitch contact of a knit: where a loop is drawn through an older one, two yarns, or two places of one yarn, run
+ * side by side from node A, the outer and lower one, to node B, the inner and upper one, and wrap about each other
+ * there. Below A come the old loop's leg and the new one's foot, above B leave the old loop's head and the new one's
+ * leg. */
+typedef struct yc_stitch_contact {
+    int visit[2][2]; /* [old loop 0, new loop 1][A 0, B 1]; the two visits of a loop follow each other, either way */
+    /* +1, -1: the sign of the wrapping angle: + at the left contact of a knit, - at its right one, reversed for a purl,
+     * all as seen from the right side */
+    signed char sign;
+} yc_stitch_contact;
+
 /* A yarn network as plain arrays. A yarn is a sequence of visits (node, arc length u), u strictly increasing. A node
  * visited by two yarns is a crossing, one that no yarn visits is idle. Made by yc_weave() or filled in by the caller
  * (then the arrays are the caller's, `owner` is NULL and yc_yarns_destroy does nothing). */
@@ -393,9 +404,11 @@ typedef struct yc_yarns {
     unsigned char *yarn_family; /* [yarn_count], YC_WARP, YC_WEFT or YC_ROD */
     int *yarn_material;         /* [yarn_count], index into materials */
     int visit_count;
-    int *visit_node;          /* [visit_count] */
-    double *visit_u;          /* [visit_count], m, strictly increasing along a yarn */
-    signed char *visit_layer; /* [visit_count], +1 the upper yarn at a crossing, -1 the lower, 0 alone */
+    int *visit_node; /* [visit_count] */
+    double *visit_u; /* [visit_count], m, strictly increasing along a yarn */
+    /* [visit_count], +1 the upper yarn at a crossing, -1 the lower, 0 alone. In a stack of n yarns, which only stitch
+     * contacts may make, n - 1, n - 3 .. 1 - n from the uppermost yarn to the lowest */
+    signed char *visit_layer;
     /* [visit_count], m, >= 0: how far the yarn's centre line passes from its node at rest, on the side of its layer, 0
      * where that is 0; u is then true length along the undulating yarn. NULL: no crimp, u is measured along the layout
      */
@@ -405,6 +418,8 @@ typedef struct yc_yarns {
     unsigned char *visit_held;
     int material_count;
     yc_yarn_material *materials; /* [material_count] */
+    int contact_count;           /* 0: woven */
+    yc_stitch_contact *contacts; /* [contact_count]: one for each old loop of a stack, with the new one; NULL: none */
     void *owner;                 /* the library's own; NULL: the caller's arrays */
 } yc_yarns;
 
@@ -454,7 +469,8 @@ YC_API yc_weave_desc yc_weave_desc_default(void);
 YC_API yc_result yc_weave(
     const yc_host *host, const yc_weave_desc *desc, const yc_mesh *mesh, yc_yarns *out, char *message);
 
-/* Checks a network: indices, order of u, weights, materials, at most two visits a node. yc_cloth creation calls it.
+/* Checks a network: indices, order of u, weights, materials, contacts, at most two visits a node unless contacts name
+ * them all. yc_cloth creation calls it.
  * mesh NULL: triangle and weights are not looked at. */
 YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char *message);
 
@@ -582,6 +598,109 @@ typedef struct yc_fabric {
 
 /* Never fails but for ARGUMENT: out NULL, or a name that is none; then *out is untouched. */
 YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out);
+
+/* ---- charts and knits ------------------------------------------------------------------------------------------- */
+
+/* Stitches by their names in knitting instructions. Stacks are given as the worker sees them. */
+typedef enum yc_stitch {
+    YC_STITCH_K,              /* knit: the new loop comes through the old one from the back */
+    YC_STITCH_P,              /* purl: from the front */
+    YC_STITCH_SL1,            /* slip: the old loop is carried up, the yarn passes behind it */
+    YC_STITCH_KTBL,           /* knit through the back loop: the old loop's legs cross */
+    YC_STITCH_PTBL,           /* the same, purled */
+    YC_STITCH_YO,             /* yarn over: a loop through no other, which leaves a hole */
+    YC_STITCH_M1,             /* make one: knit, twisted, through the bar between two stitches of the row below */
+    YC_STITCH_KFB,            /* knit front and back: two loops through one */
+    YC_STITCH_K2TOG,          /* one loop through two, the left one on top */
+    YC_STITCH_P2TOG,          /* the same, purled */
+    YC_STITCH_SSK,            /* the right one on top; also written skpo */
+    YC_STITCH_K3TOG,          /* one loop through three, the left one on top, the right one at the bottom */
+    YC_STITCH_P3TOG,          /* the same, purled */
+    YC_STITCH_SL1_K2TOG_PSSO, /* the right one on top, then the left one */
+    YC_STITCH_SL2_K1_P2SSO,   /* the middle one on top, then the right one */
+    YC_STITCH_COUNT
+} yc_stitch;
+
+typedef struct yc_chart_item {
+    int stitch; /* yc_stitch */
+    int times;  /* 1 .. 10^6 */
+} yc_chart_item;
+
+/* A row's items, in the order in which they are worked: first .. repeat - 1 once, repeat .. after - 1 as often as there
+ * are stitches for, after .. last - 1 once. */
+typedef struct yc_chart_row {
+    int line;       /* of the text; 0: none. Failures name it */
+    int wrong_side; /* nonzero: worked with the wrong side in front; its stitches are named as they are worked */
+    int first, repeat, after,
+        last; /* 0 <= first <= repeat <= after <= last <= item_count; repeat == after: no repeat */
+} yc_chart_row;
+
+/* Knitting instructions, bottom row first. Made by yc_chart_read, or filled in by the caller (then the arrays are the
+ * caller's, `owner` is NULL and yc_chart_destroy does nothing). */
+typedef struct yc_chart {
+    int multiple[2]; /* it fits multiple[0] n + multiple[1] stitches, n >= 1, as its text says; 0, 0: not known */
+    int row_count;   /* 1 .. 65536 */
+    const yc_chart_row *rows; /* [row_count] */
+    int item_count;           /* 1 .. 2^20 */
+    const yc_chart_item *items;
+    void *owner; /* the library's own; NULL: the caller's arrays */
+} yc_chart;
+
+/* Reads knitting instructions: a small part of the language of stitch charts, as they are printed.
+ *     pattern: Openwork            several patterns may follow each other in a text
+ *     multiple: 6 + 1              stitches: 6 n + 1
+ *     Rows 1 and 5 (RS): Knit.     RS: the right side is in front, WS: the wrong one; also Rows 1-3, Rows 2, 4 and 6
+ *     Row 2 (WS): P1, *k2tog, yo, p4, repeat from *.
+ *     Row 3 (RS): *[K1, p1] twice, [yo, ssk] 3 times, repeat from *, k1.       # a comment
+ * text  `length` bytes, not zero-terminated; any line ends; nothing beyond is read
+ * name  of the pattern wanted, without case; NULL: the first, which needs no line `pattern:`. Others are not looked at
+ * Known are all of yc_stitch, skpo (as ssk), counts behind k, p and yo, one repeat of the rest of a row by asterisks,
+ * brackets within it or without it (not within each other), Knit. and Purl. for whole rows, and the lines pattern,
+ * multiple, note and sure; the last two are passed over. Rows may come in any order, each once, without a gap. Where
+ * there is a multiple, all rows must fit onto each other for n = 1 and n = 2.
+ * *out receives the chart, untouched on failure, free with yc_chart_destroy. host NULL is a zeroed one; message is NULL
+ * or YC_MESSAGE_SIZE bytes.
+ * Errors: PARSE (the message names line, row, and the stitch by its number in the row as written: one that is not
+ * known, a cable, which stitch contacts cannot hold, a repeat that does not fit), ARGUMENT (text or out NULL), MEMORY.
+ * Cost: linear in the text and in the items that its brackets stand for. */
+YC_API yc_result yc_chart_read(
+    const yc_host *host, const char *text, size_t length, const char *name, yc_chart *out, char *message);
+
+/* Frees what yc_chart_read made and zeroes the struct. NULL is fine; a caller's own chart is left alone. */
+YC_API void yc_chart_destroy(yc_chart *chart);
+
+/* A piece of knitting: cast on by backward loops, worked by the chart's rows, which begin anew after the last one,
+ * bound off by a chain. One yarn does it all. */
+typedef struct yc_knit_desc {
+    unsigned cookie;       /* set by yc_knit_desc_default() */
+    const yc_chart *chart; /* NULL: stockinette; default NULL */
+    int stitches;          /* cast on; 1 .. 10^6; default 20 */
+    int rows;              /* worked, without cast-on and bind-off; 1 .. 10^6; default 24 */
+    /* 0: flat, back and forth; the sides of the chart's rows must then alternate. Nonzero: in the round, a spiral with
+     * the right side outward; rows of the wrong side are worked as they look from the right one. Default 0 */
+    int round;
+    double wales, courses; /* per m, stitches across and rows along; > 0; default 220, 300: hand-knitted wool */
+    double loop;           /* m of yarn in a stitch; >= 0; default 0: as long as it is laid */
+    yc_yarn_material yarn; /* default: a wool yarn of 440 tex */
+} yc_knit_desc;
+YC_API yc_knit_desc yc_knit_desc_default(void);
+
+/* A knit fabric that has a name, as yc_fabric_get tells of it: its chart, wales, courses, loop and yarn; the rest is
+ * the default. Errors: ARGUMENT (out NULL, a woven fabric, or a name that is none); then *out is untouched. */
+YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
+
+/* Knits. The network's layout is seen from the right side, the cast-on at the bottom (z = 0; in the round a tube about
+ * the y axis, outward from it): loops are moved, by springs between neighbours, to where their stitches want to be, so
+ * that decreases slant and yarn-overs open holes. Every place where a loop is drawn through k >= 1 older ones has four
+ * nodes with k + 1 visits each, A and B of its left and of its right contact, and k contacts on each side; a plain
+ * stitch thus has four nodes of 5 unknowns. Where a loop's legs cross (cast-on, twisted stitches) is a node with two
+ * visits and without a contact; nodes with a single visit stand beside sharp turns: the yarn turns by less than 90
+ * degrees everywhere unless stitches are crowded. Both ends of the yarn are secured. u is measured along the layout,
+ * stretched by one factor so that the length in a stitch is `loop`, the mean over the rows that were worked.
+ * desc  not NULL; out  receives the network, untouched on failure; free with yc_yarns_destroy
+ * Errors: ARGUMENT (the message names the field, or line, row and stitch of the chart and what does not fit), MEMORY.
+ * Limits: 2.5 10^7 loops in all. Cost: linear in the loops. */
+YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns *out, char *message);
 
 /* ---- scene ------------------------------------------------------------------------------------------------------ */
 
@@ -884,7 +1003,8 @@ typedef struct yc_curves {
 
 /* Draws a network as curves through its nodes. At a crossing each yarn passes beside the node, along the normal of the
  * plane of both yarns there: layer +1 on the side that u x v of the pattern points to, layer -1 on the other, each by
- * half the sum of both radii times desc->offset. Lone visits and crossings with a rod are not moved. Between nodes runs
+ * half the sum of both radii times desc->offset. In a stack of a knit each passes by its layer times that, to the side
+ * that its stitch contact calls the right one. Lone visits and crossings with a rod are not moved. Between nodes runs
  * a centripetal Catmull-Rom spline: it passes through every one of these points with a continuous direction, without
  * loops or cusps, and is straight where they are.
  * yarns  the network, as for yc_yarns_check, which is called
@@ -6146,6 +6266,12 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol ? chol->co
  * Drafts come by rule, from a loom's parts, or from a Weaving Information File, which is read twice: for its sizes,
  * then into matrices of the loom.
  *
+ * Charts are read line by line into rows of items: stitches, how often; brackets are written out, a row's one repeat
+ * stays one. Knitting works them stitch by stitch on a needle of loops (yci_knit_loop): what is drawn through what, in
+ * which order, from the front, all turned to how it looks from the right side. A bar that m1 lifts becomes a loop of
+ * its row after the fact. Springs then place the loops' bases; nodes, visits and contacts follow from loops alone, see
+ * yc_knit.
+ *
  * Promises: the result depends on nothing but the inputs; time is linear in triangles, crossings and yarns, but for the
  * sorting of the cuts; working memory is freed before return, and the network is one block.
  * ===================================================================================================================== */
@@ -6438,7 +6564,7 @@ static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *
             if (k > first && node == y->visit_node[k - 1])
                 return YCI_FAIL(
                     c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: the same node twice in a row", k, node);
-            if (y->visit_layer[k] < -1 || y->visit_layer[k] > 1)
+            if (!y->contact_count && (y->visit_layer[k] < -1 || y->visit_layer[k] > 1))
                 return YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "yarns.visit_layer[%d] = %d must lie in -1 .. 1", k, y->visit_layer[k]);
             if (y->visit_height && !(yci_finite(y->visit_height[k]) && y->visit_height[k] >= 0.0))
@@ -6447,7 +6573,7 @@ static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *
             if (y->visit_height && !y->visit_layer[k] && y->visit_height[k] != 0.0)
                 return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_height[%d] = %g must be 0: its layer is 0", k,
                     y->visit_height[k]);
-            if (++visits[node] > 2)
+            if (++visits[node] > 2 && !y->contact_count)
                 return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: a third visit of this node", k, node);
         }
     }
@@ -6461,8 +6587,66 @@ static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *
     return YC_OK;
 }
 
+/* One visit of a contact: is it there, and does its neighbour B follow A or come before it? */
+static yc_result yci_yarns_check_contact(yci_context *c, const yc_yarns *y, int contact) {
+    const yc_stitch_contact *s = &y->contacts[contact];
+    int i, k;
+    for (i = 0; i < 2; i++) {
+        for (k = 0; k < 2; k++)
+            if (s->visit[i][k] < 0 || s->visit[i][k] >= y->visit_count)
+                return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.contacts[%d].visit[%d][%d] = %d must lie in 0 .. %d",
+                    contact, i, k, s->visit[i][k], y->visit_count - 1);
+        if (s->visit[i][1] != s->visit[i][0] + 1 && s->visit[i][1] != s->visit[i][0] - 1)
+            return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.contacts[%d].visit[%d] = %d and %d do not follow each other",
+                contact, i, s->visit[i][0], s->visit[i][1]);
+    }
+    for (k = 0; k < 2; k++) {
+        if (s->visit[0][k] == s->visit[1][k])
+            return YCI_FAIL(
+                c, YC_ERROR_TOPOLOGY, "yarns.contacts[%d]: visit %d touches itself", contact, s->visit[0][k]);
+        if (y->visit_node[s->visit[0][k]] != y->visit_node[s->visit[1][k]])
+            return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.contacts[%d]: visits %d and %d are at different nodes",
+                contact, s->visit[0][k], s->visit[1][k]);
+    }
+    if (s->sign != 1 && s->sign != -1)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.contacts[%d].sign = %d must be +1 or -1", contact, s->sign);
+    return YC_OK;
+}
+
+/* The contacts of a knit, and what only they allow: `visits` are those of every node, `named` [visit_count] is zero. */
+static yc_result yci_yarns_check_contacts(yci_context *c, const yc_yarns *y, const int *visits, unsigned char *named) {
+    yc_result result;
+    int i, k, yarn;
+    for (i = 0; i < y->contact_count; i++) {
+        result = yci_yarns_check_contact(c, y, i);
+        if (result != YC_OK) return result;
+        for (k = 0; k < 4; k++) named[y->contacts[i].visit[k / 2][k % 2]] |= (unsigned char)(1 << k / 2);
+    }
+    for (k = 0; k < y->visit_count; k++) {
+        int count = visits[y->visit_node[k]], most = count < 2 ? 1 : count - 1;
+        if (count > 2 && !named[k])
+            return YCI_FAIL(c, YC_ERROR_TOPOLOGY,
+                "yarns.visit_node[%d] = %d: %d visits of this node, and no contact "
+                "names this one",
+                k, y->visit_node[k], count);
+        if (y->visit_layer[k] < -most || y->visit_layer[k] > most)
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_layer[%d] = %d must lie in %d .. %d", k,
+                y->visit_layer[k], -most, most);
+    }
+    for (yarn = 1; yarn < y->yarn_count; yarn++) named[y->yarn_first[yarn]] |= 4; /* begins a yarn */
+    for (i = 0; i < y->contact_count; i++)
+        for (k = 0; k < 2; k++) {
+            const int *pair = y->contacts[i].visit[k];
+            if (named[pair[0] > pair[1] ? pair[0] : pair[1]] & 4)
+                return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.contacts[%d].visit[%d] = %d and %d: different yarns", i, k,
+                    pair[0], pair[1]);
+        }
+    return YC_OK;
+}
+
 static yc_result yci_yarns_check(yci_context *c, const yc_yarns *y, const yc_mesh *mesh) {
     yc_result result;
+    unsigned char *named;
     int *visits, i;
     if (y->node_count < 2)
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.node_count = %d must be at least 2", y->node_count);
@@ -6473,6 +6657,10 @@ static yc_result yci_yarns_check(yci_context *c, const yc_yarns *y, const yc_mes
     if (!y->layout || !y->yarn_first || !y->yarn_family || !y->yarn_material || !y->visit_node || !y->visit_u ||
         !y->visit_layer || !y->visit_held || !y->materials)
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights, visit_height and owner may be NULL");
+    if (y->contact_count < 0)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.contact_count = %d must not be negative", y->contact_count);
+    if (y->contact_count && !y->contacts)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.contacts must not be NULL: contact_count = %d", y->contact_count);
     if (mesh && (!y->triangle || !y->weights))
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.triangle and weights must not be NULL with a mesh");
     for (i = 0; i < y->material_count; i++) {
@@ -6486,6 +6674,12 @@ static yc_result yci_yarns_check(yci_context *c, const yc_yarns *y, const yc_mes
     visits = YCI_NEW(c, int, y->node_count);
     if (!visits) return yci_out_of_memory(c, "the check of a yarn network");
     result = yci_yarns_check_visits(c, y, visits);
+    if (result == YC_OK && y->contact_count) {
+        named = YCI_NEW(c, unsigned char, y->visit_count);
+        result =
+            named ? yci_yarns_check_contacts(c, y, visits, named) : yci_out_of_memory(c, "the check of a yarn network");
+        yci_free(c, named);
+    }
     yci_free(c, visits);
     return result;
 }
@@ -7209,6 +7403,8 @@ static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh, int crimpe
     y->yarn_family = (unsigned char *)yci_weave_carve(block, &used, y->yarn_count, sizeof *y->yarn_family);
     y->visit_layer = (signed char *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_layer);
     y->visit_held = (unsigned char *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_held);
+    if (y->contact_count)
+        y->contacts = (yc_stitch_contact *)yci_weave_carve(block, &used, y->contact_count, sizeof *y->contacts);
     return used;
 }
 
@@ -8330,6 +8526,1145 @@ YC_API yc_result yc_fabric_get(yc_fabric_name name, yc_fabric *out) {
     yci_fabric_range(out->drape, row->drape, 0.01);
     out->tension = row->tension;
     return YC_OK;
+}
+
+/* ---- charts ------------------------------------------------------------------------------------------------------ */
+
+#define YCI_CHART_ROWS 65536
+#define YCI_CHART_ITEMS 1048576
+#define YCI_CHART_COUNT 1000000      /* behind k, p, yo; repeats of brackets; stitches cast on; rows worked */
+#define YCI_CHART_STITCHES 100000000 /* of a row as written */
+
+static const struct {
+    const char *name;     /* in capitals */
+    int uses, makes;      /* loops taken from the needle, loops left on it */
+    int purl, twist;      /* seen as it is worked; whether the old loop's legs cross */
+    signed char order[3]; /* of the old loops, front to back as seen by the worker; 0 is the first on the needle */
+} yci_stitches[] = {
+    {"K", 1, 1, 0, 0, {0, 0, 0}}, /* YC_STITCH_K and so on */
+    {"P", 1, 1, 1, 0, {0, 0, 0}}, {"SL1", 1, 1, 0, 0, {0, 0, 0}}, {"KTBL", 1, 1, 0, 1, {0, 0, 0}},
+    {"PTBL", 1, 1, 1, 1, {0, 0, 0}}, {"YO", 0, 1, 0, 0, {0, 0, 0}}, {"M1", 0, 1, 0, 1, {0, 0, 0}},
+    {"KFB", 1, 2, 0, 0, {0, 0, 0}}, {"K2TOG", 2, 1, 0, 0, {1, 0, 0}}, {"P2TOG", 2, 1, 1, 0, {1, 0, 0}},
+    {"SSK", 2, 1, 0, 0, {0, 1, 0}}, {"K3TOG", 3, 1, 0, 0, {2, 1, 0}}, {"P3TOG", 3, 1, 1, 0, {2, 1, 0}},
+    {"SL1-K2TOG-PSSO", 3, 1, 0, 0, {0, 2, 1}}, {"SL2-K1-P2SSO", 3, 1, 0, 0, {1, 0, 2}},
+    {"SKPO", 2, 1, 0, 0, {0, 1, 0}}, /* another name of YC_STITCH_SSK */
+};
+
+typedef struct {
+    yci_context *c;
+    yc_result result;
+    yci_wif_text rest; /* of the text */
+    int line, row;     /* where the reader stands; row 0: in none */
+    double stitch;     /* number of the next stitch in its row, less 1 */
+    int fresh;         /* items before this one are not added to: a repeat or a row begins here */
+    int multiple[2];
+    yc_chart_row *rows; /* line 0: not given so far */
+    yc_chart_item *items;
+    int row_count, row_capacity, item_count, item_capacity;
+} yci_chart_reader;
+
+/* Where the reader stands, for a message. */
+static const char *yci_chart_place(const yci_chart_reader *r, char place[64], int stitch) {
+    int at = snprintf(place, 64, "chart line %d", r->line);
+    if (r->row) at += snprintf(place + at, 64 - (size_t)at, ", row %d", r->row);
+    if (stitch) snprintf(place + at, 64 - (size_t)at, ", stitch %.0f", r->stitch + 1.0);
+    return place;
+}
+
+static int yci_chart_wrong(yci_chart_reader *r, const char *expected, yci_wif_text found) {
+    char place[64];
+    int length = (int)yci_min((double)(found.end - found.at), 40.0);
+    r->result = YCI_FAIL(r->c, YC_ERROR_PARSE, "%s: expected %s, found \"%.*s\"", yci_chart_place(r, place, 0),
+        expected, length, found.at);
+    return 0;
+}
+
+/* Fails at a stitch: 'token' and what is wrong with it. */
+static int yci_chart_refuse(yci_chart_reader *r, yci_wif_text token, const char *what) {
+    char place[64];
+    int length = (int)yci_min((double)(token.end - token.at), 40.0);
+    r->result = YCI_FAIL(r->c, YC_ERROR_PARSE, "%s: '%.*s' %s", yci_chart_place(r, place, 1), length, token.at, what);
+    return 0;
+}
+
+/* Whether the text begins with this name in capitals, in any case there; moves past it and the space after it. */
+static int yci_chart_skip(yci_wif_text *t, const char *name) {
+    const char *at = t->at;
+    for (; *name; at++, name++)
+        if (at == t->end || yci_wif_upper(*at) != *name) return 0;
+    t->at = at;
+    yci_wif_trim(t);
+    return 1;
+}
+
+/* Takes a number in low .. high off the front of a text. */
+static int yci_chart_number(yci_wif_text *t, int low, int high, int *number) {
+    const char *at = t->at;
+    double value = 0.0;
+    for (; at < t->end && *at >= '0' && *at <= '9'; at++) value = yci_min(10.0 * value + (*at - '0'), 1e10);
+    if (at == t->at || value < low || value > high) return 0;
+    t->at = at, *number = (int)value;
+    yci_wif_trim(t);
+    return 1;
+}
+
+/* Moves to the next line that holds something but a comment. 0 at the end. */
+static int yci_chart_next(yci_chart_reader *r, yci_wif_text *line) {
+    while (r->rest.at < r->rest.end) {
+        const char *at;
+        line->at = r->rest.at;
+        while (r->rest.at < r->rest.end && *r->rest.at != '\n' && *r->rest.at != '\r') r->rest.at++;
+        line->end = r->rest.at;
+        if (r->rest.end - r->rest.at >= 2 && r->rest.at[0] == '\r' && r->rest.at[1] == '\n') r->rest.at++;
+        if (r->rest.at < r->rest.end) r->rest.at++;
+        r->line++;
+        for (at = line->at; at < line->end && *at != '#';) at++;
+        line->end = at;
+        yci_wif_trim(line);
+        if (line->at < line->end) return 1;
+    }
+    return 0;
+}
+
+static int yci_chart_same_name(yci_wif_text t, const char *name) {
+    for (; t.at < t.end && *name; t.at++, name++)
+        if (yci_wif_upper((unsigned char)*t.at) != yci_wif_upper((unsigned char)*name)) return 0;
+    return t.at == t.end && !*name;
+}
+
+/* Adds stitches to the row. 0 when memory or the limits do not allow it. */
+static int yci_chart_push(yci_chart_reader *r, int stitch, int times) {
+    char place[64];
+    yc_chart_item *last = r->item_count > r->fresh ? &r->items[r->item_count - 1] : NULL;
+    r->stitch += times;
+    if (r->stitch > YCI_CHART_STITCHES || r->item_count == YCI_CHART_ITEMS) {
+        r->result = YCI_FAIL(r->c, YC_ERROR_PARSE, "%s: a row has at most %d stitches, a chart %d changes of stitches",
+            yci_chart_place(r, place, 0), YCI_CHART_STITCHES, YCI_CHART_ITEMS);
+        return 0;
+    }
+    if (last && last->stitch == stitch && last->times <= YCI_CHART_COUNT - times) {
+        last->times += times;
+        return 1;
+    }
+    if (!YCI_RESERVE(r->c, r->items, r->item_capacity, r->item_count, r->item_count + 1)) {
+        r->result = yci_out_of_memory(r->c, "a chart");
+        return 0;
+    }
+    r->items[r->item_count].stitch = stitch, r->items[r->item_count++].times = times;
+    return 1;
+}
+
+/* One stitch as written, with its count. */
+static int yci_chart_stitch(yci_chart_reader *r, yci_wif_text token) {
+    yci_wif_text t = token;
+    int i, times = 1, other;
+    if (yci_chart_number(&t, 0, INT_MAX, &other) && t.at < t.end && *t.at == '/') {
+        t.at++;
+        if (yci_chart_number(&t, 0, INT_MAX, &other) && (yci_wif_is(t, "RC") || yci_wif_is(t, "LC")))
+            return yci_chart_refuse(r, token, "is a cable, which stitch contacts cannot hold");
+    }
+    for (i = 0; i <= YC_STITCH_COUNT; i++) /* skpo comes last */
+        if (yci_wif_is(token, yci_stitches[i].name))
+            return yci_chart_push(r, i == YC_STITCH_COUNT ? YC_STITCH_SSK : i, 1);
+    t = token;
+    i = yci_chart_skip(&t, "K") ? YC_STITCH_K : yci_chart_skip(&t, "P") ? YC_STITCH_P : YC_STITCH_YO;
+    if ((i != YC_STITCH_YO || yci_chart_skip(&t, "YO")) && t.at < t.end && *t.at >= '0' && *t.at <= '9') {
+        yci_wif_text digits = t;
+        while (digits.at < digits.end && *digits.at >= '0' && *digits.at <= '9') digits.at++;
+        if (digits.at == digits.end) {
+            if (yci_chart_number(&t, 1, YCI_CHART_COUNT, &times)) return yci_chart_push(r, i, times);
+            return yci_chart_refuse(r, token, "has a count beyond 1 .. 1000000");
+        }
+    }
+    if (token.at == token.end) return yci_chart_wrong(r, "a stitch", token);
+    return yci_chart_refuse(r, token, "is no stitch known here");
+}
+
+/* What follows a bracket: `3 times`, `twice` or `once`. */
+static int yci_chart_times(yci_chart_reader *r, yci_wif_text *t, int *times) {
+    yci_wif_text from = *t;
+    *times = 2;
+    if (yci_chart_skip(t, "TWICE")) return 1;
+    if (yci_chart_number(t, 1, YCI_CHART_COUNT, times) && (yci_chart_skip(t, "TIMES") || yci_chart_skip(t, "TIME")))
+        return 1;
+    return yci_chart_wrong(r, "a number of times or 'twice' after brackets", from);
+}
+
+/* [..] N times: the items since `from`, which made the row `stitch` long, once more and more. */
+static int yci_chart_unroll(yci_chart_reader *r, int from, double stitch, int times) {
+    int count = r->item_count - from, i;
+    yc_chart_item first;
+    char place[64];
+    if (!count) return 1;
+    if (stitch + (r->stitch - stitch) * times > YCI_CHART_STITCHES ||
+        (count > 1 && (double)from + (double)count * times > YCI_CHART_ITEMS)) {
+        r->result = YCI_FAIL(r->c, YC_ERROR_PARSE, "%s: a row has at most %d stitches, a chart %d changes of stitches",
+            yci_chart_place(r, place, 0), YCI_CHART_STITCHES, YCI_CHART_ITEMS);
+        return 0;
+    }
+    first = r->items[from];
+    for (times--; times > 0; times--) {
+        r->fresh = count == 1 ? from : r->item_count; /* else items that are still to be read would change */
+        for (i = 0; i < count; i++) {
+            yc_chart_item item = count == 1 ? first : r->items[from + i];
+            if (!yci_chart_push(r, item.stitch, item.times)) return 0;
+        }
+    }
+    return 1;
+}
+
+/* Reads the stitches of a row, or of brackets within it, up to the end of `t`. `row` NULL: brackets. */
+static int yci_chart_stitches(yci_chart_reader *r, yci_wif_text t, yc_chart_row *row) {
+    int star = 0, comma = 0;
+    yci_wif_trim(&t);
+    while (t.at < t.end) {
+        yci_wif_text token = t, word;
+        if (*t.at == '[') {
+            double stitch = r->stitch;
+            int from, times;
+            if (!row) return yci_chart_wrong(r, "no brackets within brackets", t);
+            while (t.at < t.end && *t.at != ']') t.at++;
+            if (t.at == t.end) return yci_chart_wrong(r, "a closing bracket after", token);
+            token.at++, token.end = t.at++;
+            from = r->fresh = r->item_count;
+            if (!yci_chart_stitches(r, token, NULL)) return 0;
+            yci_wif_trim(&t);
+            if (!yci_chart_times(r, &t, &times) || !yci_chart_unroll(r, from, stitch, times)) return 0;
+            r->fresh = r->item_count;
+        } else {
+            while (t.at < t.end && *t.at != ',' && *t.at != '[' && *t.at != '*') t.at++;
+            token.end = t.at, word = token;
+            yci_wif_trim(&token);
+            if (t.at < t.end && *t.at == '*' && row &&
+                (token.at == token.end || yci_wif_is(token, "REPEAT FROM") || yci_wif_is(token, "REP FROM"))) {
+                if (star == 2 || (star == 0) != (token.at == token.end))
+                    return yci_chart_wrong(r, "one repeat, '*stitches, repeat from *'", word);
+                *(star ? &row->after : &row->repeat) = r->fresh = r->item_count;
+                t.at++, star++;
+                yci_wif_trim(&t);
+                if (star == 1) continue;
+            } else if (!yci_chart_stitch(r, token)) return 0;
+        }
+        if (t.at < t.end && *t.at != ',') return yci_chart_wrong(r, "a comma", t);
+        comma = t.at < t.end;
+        t.at += comma;
+        yci_wif_trim(&t);
+    }
+    if (comma) return yci_chart_wrong(r, "a stitch after the last comma", t);
+    if (star == 1) return yci_chart_wrong(r, "'repeat from *'", t);
+    if (row && !star) row->repeat = row->after = r->item_count;
+    return 1;
+}
+
+/* The instructions of a row: `body` into items, the row's places among them. */
+static int yci_chart_body(yci_chart_reader *r, yci_wif_text body, yc_chart_row *row) {
+    const char *at;
+    int i, uses = 0;
+    for (at = body.at; at < body.end && *at != '.';) at++;
+    if (body.end - at > 1) {
+        body.at = at + 1;
+        return yci_chart_wrong(r, "nothing behind the full stop", body);
+    }
+    body.end = at;
+    yci_wif_trim(&body);
+    if (body.at == body.end) return yci_chart_wrong(r, "stitches", body);
+    row->first = r->fresh = r->item_count, r->stitch = 0.0;
+    if (yci_wif_is(body, "KNIT") || yci_wif_is(body, "PURL")) {
+        if (!yci_chart_push(r, yci_wif_is(body, "KNIT") ? YC_STITCH_K : YC_STITCH_P, 1)) return 0;
+        row->repeat = row->first, row->after = r->item_count;
+    } else if (!yci_chart_stitches(r, body, row)) return 0;
+    row->last = r->item_count;
+    for (i = row->repeat; i < row->after; i++) uses |= yci_stitches[r->items[i].stitch].uses;
+    if (row->repeat < row->after && !uses) return yci_chart_wrong(r, "a repeat that uses stitches", body);
+    return 1;
+}
+
+/* `Rows 1, 3-5 and 8 (RS)`: their number is set in every row of that list, with `found` as its instructions. With
+ * found NULL the list is only gone through, and the side and the first number are set. */
+static int yci_chart_list(yci_chart_reader *r, yci_wif_text head, int *side, yc_chart_row *found) {
+    yci_wif_text all = head;
+    int from, to, k, begun = 0;
+    if (!yci_chart_skip(&head, "ROWS") && !yci_chart_skip(&head, "ROW")) return yci_chart_wrong(r, "a row", all);
+    for (;;) {
+        yci_wif_text number;
+        while (begun && (yci_chart_skip(&head, ",") || yci_chart_skip(&head, "AND") || yci_chart_skip(&head, "&")))
+            ;
+        number = head;
+        if (begun && head.at < head.end && *head.at == '(') break;
+        if (!yci_chart_number(&head, 1, YCI_CHART_ROWS, &from))
+            return yci_chart_wrong(r, begun ? "a row in 1 .. 65536, or (RS) or (WS)" : "a row in 1 .. 65536", number);
+        to = from;
+        if (yci_chart_skip(&head, "-") && (!yci_chart_number(&head, 1, YCI_CHART_ROWS, &to) || to < from))
+            return yci_chart_wrong(r, "a range of rows in 1 .. 65536", number);
+        if (!begun++) r->row = from;
+        for (k = from; k <= to && found; k++) {
+            if (!YCI_RESERVE(r->c, r->rows, r->row_capacity, r->row_count, k)) {
+                r->result = yci_out_of_memory(r->c, "a chart");
+                return 0;
+            }
+            if (r->rows[k - 1].line) {
+                r->row = k;
+                number.end = head.at;
+                yci_wif_trim(&number);
+                return yci_chart_wrong(r, "a row that is not there yet", number);
+            }
+            r->rows[k - 1] = *found;
+            if (k > r->row_count) r->row_count = k;
+        }
+    }
+    *side = yci_wif_is(head, "(WS)");
+    return *side || yci_wif_is(head, "(RS)") ? 1 : yci_chart_wrong(r, "(RS) or (WS)", head);
+}
+
+/* One line of the pattern wanted, `key: value`. */
+static int yci_chart_line(yci_chart_reader *r, yci_wif_text line) {
+    yci_wif_text key = line, value = line;
+    yc_chart_row row;
+    int side = 0;
+    memset(&row, 0, sizeof row);
+    while (value.at < value.end && *value.at != ':') value.at++;
+    r->row = 0;
+    if (value.at == value.end) return yci_chart_wrong(r, "pattern, multiple, sure, note or rows before a colon", line);
+    key.end = value.at++;
+    yci_wif_trim(&key), yci_wif_trim(&value);
+    if (yci_wif_is(key, "SURE") || yci_wif_is(key, "NOTE")) return 1;
+    if (yci_wif_is(key, "MULTIPLE")) {
+        yci_wif_text all = value;
+        if (!yci_chart_number(&value, 0, YCI_CHART_COUNT, &r->multiple[0]) || !yci_chart_skip(&value, "+") ||
+            !yci_chart_number(&value, 0, YCI_CHART_COUNT, &r->multiple[1]) || value.at < value.end ||
+            r->multiple[0] + r->multiple[1] < 1)
+            return yci_chart_wrong(r, "a multiple like '8 + 1'", all);
+        return 1;
+    }
+    if (!yci_chart_skip(&line, "ROW")) return yci_chart_wrong(r, "pattern, multiple, sure, note or rows", key);
+    if (!yci_chart_list(r, key, &side, NULL)) return 0;
+    row.line = r->line, row.wrong_side = side;
+    return yci_chart_body(r, value, &row) && yci_chart_list(r, key, &side, &row);
+}
+
+/* Reads the pattern of that name. */
+static yc_result yci_chart_pattern(yci_chart_reader *r, const char *name) {
+    yci_wif_text line;
+    int inside = !name, begun = 0;
+    while (yci_chart_next(r, &line)) {
+        yci_wif_text value = line;
+        if (yci_chart_skip(&value, "PATTERN") && yci_chart_skip(&value, ":")) {
+            if (inside && (begun || r->row_count || r->item_count)) break;
+            inside = begun = !name || yci_chart_same_name(value, name);
+        } else if (inside && !yci_chart_line(r, line)) return r->result;
+    }
+    if (!inside && !begun)
+        return YCI_FAIL(r->c, YC_ERROR_PARSE, "chart: there is no pattern '%.100s'", name ? name : "");
+    return YC_OK;
+}
+
+/* How often a row's repeat is worked on that many stitches, and how many it leaves on the needle. */
+static yc_result yci_chart_fit(
+    yci_context *c, const yc_chart *chart, int row, int stitches, int *times, double *makes) {
+    const yc_chart_row *r = &chart->rows[row];
+    double uses[2] = {0.0, 0.0}, left;
+    int i, k;
+    char place[64];
+    *makes = 0.0, *times = 0;
+    for (i = r->first; i < r->last; i++)
+        uses[i >= r->repeat && i < r->after] +=
+            (double)yci_stitches[chart->items[i].stitch].uses * chart->items[i].times;
+    left = stitches - uses[0];
+    if (left >= 0.0 && uses[1] > 0.0) *times = (int)(left / uses[1]);
+    left -= uses[1] * *times;
+    for (i = r->first; i < r->last; i++) {
+        k = i >= r->repeat && i < r->after ? *times : 1;
+        *makes += (double)yci_stitches[chart->items[i].stitch].makes * chart->items[i].times * k;
+    }
+    if (left == 0.0) return YC_OK;
+    i = r->line ? snprintf(place, sizeof place, "chart line %d, ", r->line) : 0;
+    snprintf(place + i, sizeof place - (size_t)i, "%srow %d", r->line ? "" : "chart ", row + 1);
+    if (uses[1] > 0.0 && left > 0.0)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT,
+            "%s: uses %.0f of %d stitches, and its repeat of %.0f does not fit the rest", place, stitches - left,
+            stitches, uses[1]);
+    return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s: uses %.0f of %d stitches", place, uses[0], stitches);
+}
+
+/* Whether all rows are there, and fit onto each other. */
+static yc_result yci_chart_check_rows(yci_chart_reader *r, const yc_chart *chart) {
+    int i, n, times;
+    if (!r->row_count) return YCI_FAIL(r->c, YC_ERROR_PARSE, "chart: there are no rows");
+    for (i = 0; i < r->row_count; i++)
+        if (!r->rows[i].line) return YCI_FAIL(r->c, YC_ERROR_PARSE, "chart: row %d is missing", i + 1);
+    for (n = 1; n <= 2 && r->multiple[0] + r->multiple[1] > 0; n++) {
+        double stitches = (double)n * r->multiple[0] + r->multiple[1];
+        for (i = 0; i < r->row_count; i++) {
+            if (stitches > INT_MAX || yci_chart_fit(r->c, chart, i, (int)stitches, &times, &stitches) != YC_OK)
+                return YC_ERROR_PARSE;
+        }
+    }
+    return YC_OK;
+}
+
+static yc_result yci_chart_build(yci_chart_reader *r, yc_chart *chart) {
+    size_t used = 0, rows, items;
+    char *block;
+    yc_result result;
+    memset(chart, 0, sizeof *chart);
+    chart->multiple[0] = r->multiple[0], chart->multiple[1] = r->multiple[1];
+    chart->row_count = r->row_count, chart->rows = r->rows;
+    chart->item_count = r->item_count, chart->items = r->items;
+    result = yci_chart_check_rows(r, chart);
+    if (result != YC_OK) return result;
+    yci_weave_carve(NULL, &used, 1, sizeof(yci_context));
+    rows = used;
+    yci_weave_carve(NULL, &used, r->row_count, sizeof *r->rows);
+    items = used;
+    yci_weave_carve(NULL, &used, r->item_count, sizeof *r->items);
+    block = (char *)yci_alloc(r->c, used, 1);
+    if (!block) return yci_out_of_memory(r->c, "a chart");
+    memcpy(block + rows, r->rows, (size_t)r->row_count * sizeof *r->rows);
+    memcpy(block + items, r->items, (size_t)r->item_count * sizeof *r->items);
+    chart->owner = block;
+    chart->rows = (const yc_chart_row *)(block + rows), chart->items = (const yc_chart_item *)(block + items);
+    return YC_OK;
+}
+
+YC_API yc_result yc_chart_read(
+    const yc_host *host, const char *text, size_t length, const char *name, yc_chart *out, char *message) {
+    yci_context c;
+    yci_chart_reader r;
+    yc_chart chart;
+    yc_result result = yci_context_init(&c, host);
+    memset(&r, 0, sizeof r);
+    r.c = &c;
+    if (result == YC_OK && (!text || !out)) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "text and out must not be NULL");
+    if (result == YC_OK) {
+        r.rest.at = text, r.rest.end = text + length;
+        if (length >= 3 && !memcmp(text, "\xef\xbb\xbf", 3)) r.rest.at += 3; /* a mark of UTF-8 */
+        result = yci_chart_pattern(&r, name);
+    }
+    if (result == YC_OK) result = yci_chart_build(&r, &chart);
+    yci_free(&c, r.rows);
+    yci_free(&c, r.items);
+    if (result == YC_OK) *out = chart, memcpy(out->owner, &c, sizeof c);
+    return yci_report(&c, result, message);
+}
+
+YC_API void yc_chart_destroy(yc_chart *chart) {
+    yci_context c;
+    if (!chart || !chart->owner) return;
+    memcpy(&c, chart->owner, sizeof c);
+    yci_free(&c, chart->owner);
+    memset(chart, 0, sizeof *chart);
+}
+
+/* ---- knits ------------------------------------------------------------------------------------------------------- */
+
+#define YCI_KNIT_LOOPS 25000000
+#define YCI_KNIT_TURN (75.0 / 180.0 * YCI_PI) /* a sharper turn of the yarn is shared with nodes beside it, */
+#define YCI_KNIT_CUTS 4                       /* at most so many, */
+#define YCI_KNIT_STEP 0.12                    /* a share of the segment's length from each other */
+#define YCI_KNIT_SWEEPS 400                   /* of the springs that place loops */
+
+/* A loop. Its base is where it is drawn through older ones or, if it is drawn through none, in its row between its
+ * neighbours. */
+typedef struct {
+    double x[2];                   /* base, m: to the right, up; in the round x runs around the tube */
+    double slot;                   /* in its row, in the order of work; the half ones are bars that were picked up */
+    int row;                       /* 0: cast on */
+    int next;                      /* along the yarn; -1: none */
+    int old;                       /* the first of its old loops, from front to back, in yci_knitter.olds */
+    int up[2];                     /* loops drawn through this one, in the order of work; -1: none */
+    int node;                      /* the first of its nodes: A, B at the left, A, B at the right; then the crossing */
+    int contact;                   /* the first of its contacts, those at the left first */
+    signed char dir, up_dir;       /* +1: the yarn runs to the right, in this row and in that of `up` */
+    unsigned char old_count, purl; /* as seen from the right side */
+    unsigned char twist, tail;     /* its legs cross; the yarn's end, half a loop through the last one */
+} yci_knit_loop;
+
+/* A visit before nodes are put beside sharp turns. */
+typedef struct {
+    double turn;  /* rad, of the yarn here, to the left */
+    int node, at; /* at: what number it will have */
+    signed char layer;
+    unsigned char joined, after; /* the segment after it lies in a contact; it is the one for this turn's nodes */
+    unsigned char cuts[2];       /* nodes for this turn in the segment before, after it */
+} yci_knit_visit;
+
+typedef struct {
+    yci_context *c;
+    const yc_knit_desc *desc;
+    yci_knit_loop *loops;
+    int *olds, *needle, *fresh; /* loops on the needle, in the order of work of their row; those of this row */
+    int loop_count, loop_capacity, old_count, old_capacity, needle_count, needle_capacity, fresh_count, fresh_capacity;
+    int used, last;               /* how many were taken from the needle; the loop at the yarn's end */
+    int row, dir, shaped;         /* shaped: loops are not all where rows and columns meet */
+    double width, height, around; /* m, of a stitch; around the tube, 0 when flat */
+    double (*force)[3];           /* [loop_count], on loops and the stiffness they feel */
+    double (*speed)[2];
+    double (*place)[2]; /* [node_count], m */
+    yci_knit_visit *visits;
+    yc_stitch_contact *contacts; /* with numbers of `visits` */
+    int node_count, visit_count, contact_count;
+} yci_knitter;
+
+static const yc_chart_item yci_knit_items[] = {{YC_STITCH_K, 1}, {YC_STITCH_P, 1}};
+static const yc_chart_row yci_knit_rows_plain[] = {{0, 0, 0, 0, 1, 1}, {0, 1, 1, 1, 2, 2}};
+static const yc_chart_row yci_knit_rows_rib[] = {{0, 0, 0, 0, 2, 2}, {0, 1, 0, 0, 2, 2}};
+static const yc_chart yci_knit_plain = {{1, 0}, 2, yci_knit_rows_plain, 2, yci_knit_items, NULL};
+static const yc_chart yci_knit_rib = {{2, 0}, 2, yci_knit_rows_rib, 2, yci_knit_items, NULL};
+
+YC_API yc_knit_desc yc_knit_desc_default(void) {
+    yc_yarn_desc wool = yc_yarn_desc_default();
+    yc_knit_desc d;
+    memset(&d, 0, sizeof d);
+    wool.fibre = YC_FIBRE_WOOL, wool.tex = 440.0;
+    d.cookie = YCI_DESC_COOKIE;
+    d.stitches = 20, d.rows = 24, d.wales = 220.0, d.courses = 300.0;
+    d.yarn = yci_yarn_make(&wool);
+    return d;
+}
+
+YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out) {
+    yc_fabric fabric;
+    if (!out || yc_fabric_get(name, &fabric) != YC_OK || fabric.woven) return YC_ERROR_ARGUMENT;
+    *out = yc_knit_desc_default();
+    out->chart = name == YC_FABRIC_RIB ? &yci_knit_rib : &yci_knit_plain;
+    out->wales = fabric.wales, out->courses = fabric.courses, out->loop = fabric.loop, out->yarn = fabric.yarn;
+    return YC_OK;
+}
+
+static yc_result yci_knit_check_chart(yci_context *c, const yc_chart *chart) {
+    yc_result result = yci_draft_range(c, "chart.row_count", chart->row_count, 1, YCI_CHART_ROWS);
+    int i;
+    if (result == YC_OK) result = yci_draft_range(c, "chart.item_count", chart->item_count, 1, YCI_CHART_ITEMS);
+    if (result != YC_OK) return result;
+    if (!chart->rows || !chart->items) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "chart.rows and items must not be NULL");
+    for (i = 0; i < chart->row_count; i++) {
+        const yc_chart_row *r = &chart->rows[i];
+        if (r->first < 0 || r->repeat < r->first || r->after < r->repeat || r->last < r->after ||
+            r->last > chart->item_count)
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "chart.rows[%d] = %d, %d, %d, %d must rise within 0 .. %d", i,
+                r->first, r->repeat, r->after, r->last, chart->item_count);
+    }
+    for (i = 0; i < chart->item_count; i++)
+        if (chart->items[i].stitch < 0 || chart->items[i].stitch >= YC_STITCH_COUNT || chart->items[i].times < 1 ||
+            chart->items[i].times > YCI_CHART_COUNT)
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "chart.items[%d]: stitch %d, %d times, is none", i,
+                chart->items[i].stitch, chart->items[i].times);
+    return YC_OK;
+}
+
+static yc_result yci_knit_check(yci_context *c, const yc_knit_desc *d) {
+    const double values[3] = {d->wales, d->courses, d->loop};
+    static const char *const names[3] = {"wales", "courses", "loop"};
+    yc_result result;
+    int i;
+    if (d->cookie != YCI_DESC_COOKIE)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "knit.cookie: not made by yc_knit_desc_default()");
+    result = yci_draft_range(c, "knit.stitches", d->stitches, 1, YCI_CHART_COUNT);
+    if (result == YC_OK) result = yci_draft_range(c, "knit.rows", d->rows, 1, YCI_CHART_COUNT);
+    if (result != YC_OK) return result;
+    for (i = 0; i < 3; i++) {
+        if (!yci_finite(values[i]))
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "knit.%s = %g must be finite", names[i], values[i]);
+        if (values[i] < 0.0 || (i < 2 && values[i] == 0.0))
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "knit.%s = %g must %s", names[i], values[i],
+                i < 2 ? "be greater than 0" : "not be negative");
+    }
+    result = yci_yarn_material_check(c, "knit.yarn", &d->yarn);
+    if (result == YC_OK && d->chart) result = yci_knit_check_chart(c, d->chart);
+    return result;
+}
+
+/* ---- working a chart: which loop is drawn through which ---- */
+
+static int yci_knit_next_old(const yci_knitter *k) {
+    int i = k->desc->round ? k->used : k->needle_count - 1 - k->used;
+    return k->needle[i];
+}
+
+/* A new loop at the yarn's end. -1: out of memory, or too many. */
+static int yci_knit_new(yci_knitter *k, double slot) {
+    yci_knit_loop *loop;
+    int id = k->loop_count;
+    if (id >= YCI_KNIT_LOOPS || !YCI_RESERVE(k->c, k->loops, k->loop_capacity, id, id + 1)) return -1;
+    loop = &k->loops[id];
+    loop->row = k->row, loop->dir = (signed char)k->dir, loop->slot = slot;
+    loop->next = loop->up[0] = loop->up[1] = -1, loop->old = k->old_count, loop->old_count = 0;
+    if (k->last >= 0) k->loops[k->last].next = id;
+    return k->last = k->loop_count++;
+}
+
+/* Draws a loop through `old`, behind those that it is drawn through already. */
+static int yci_knit_draw(yci_knitter *k, int loop, int old) {
+    yci_knit_loop *below = &k->loops[old];
+    if (!YCI_RESERVE(k->c, k->olds, k->old_capacity, k->old_count, k->old_count + 1)) return 0;
+    k->olds[k->old_count++] = old, k->loops[loop].old_count++;
+    below->up[below->up[0] >= 0] = loop, below->up_dir = k->loops[loop].dir;
+    return 1;
+}
+
+/* Puts a loop on the needle. */
+static int yci_knit_hang(yci_knitter *k, int loop) {
+    if (k->fresh_count >= YCI_KNIT_LOOPS ||
+        !YCI_RESERVE(k->c, k->fresh, k->fresh_capacity, k->fresh_count, k->fresh_count + 1))
+        return 0;
+    k->fresh[k->fresh_count++] = loop;
+    return 1;
+}
+
+/* The bar between the loop taken last and the next one becomes a loop of the row below; -1: there is none, -2: no
+ * memory. */
+static int yci_knit_bar(yci_knitter *k) {
+    int a, b, bar, end = k->last;
+    if (k->used == 0 || k->used == k->needle_count) return -1;
+    b = yci_knit_next_old(k), k->used--;
+    a = yci_knit_next_old(k), k->used++;
+    if (!k->desc->round) bar = a, a = b, b = bar; /* the row below was worked the other way */
+    if (k->loops[a].next != b || k->loops[a].row != k->loops[b].row) return -1;
+    k->last = -1;
+    bar = yci_knit_new(k, 0.5 * (k->loops[a].slot + k->loops[b].slot));
+    k->last = end;
+    if (bar < 0) return -2;
+    k->loops[bar].row = k->loops[a].row, k->loops[bar].dir = k->loops[a].dir, k->loops[bar].twist = 1;
+    for (end = 0; end < 2; end++) k->loops[bar].x[end] = 0.5 * (k->loops[a].x[end] + k->loops[b].x[end]);
+    k->loops[a].next = bar, k->loops[bar].next = b;
+    return bar;
+}
+
+/* Works one stitch. 0: out of memory, or too many loops; -1: m1 finds no bar. */
+static int yci_knit_stitch(yci_knitter *k, int stitch, int wrong_side) {
+    int old[3] = {-1, -1, -1}, uses = yci_stitches[stitch].uses, i, n, loop;
+    int backward = wrong_side && k->desc->round; /* the worker would come from the other end */
+    if (yci_stitches[stitch].uses != yci_stitches[stitch].makes) k->shaped = 1;
+    for (i = 0; i < uses; i++) old[backward ? uses - 1 - i : i] = yci_knit_next_old(k), k->used++;
+    if (stitch == YC_STITCH_SL1) return yci_knit_hang(k, old[0]);
+    if (stitch == YC_STITCH_M1) {
+        old[0] = yci_knit_bar(k), uses = 1;
+        if (old[0] < 0) return old[0] == -1 ? -1 : 0;
+    } else if (yci_stitches[stitch].twist) k->loops[old[0]].twist = 1;
+    for (n = 0; n < yci_stitches[stitch].makes; n++) {
+        loop = yci_knit_new(k, k->fresh_count);
+        if (loop < 0) return 0;
+        k->loops[loop].purl = (unsigned char)(yci_stitches[stitch].purl ^ wrong_side);
+        for (i = 0; i < uses; i++) /* what lies in front for the worker is behind from the right side */
+            if (!yci_knit_draw(k, loop, old[yci_stitches[stitch].order[wrong_side ? uses - 1 - i : i]])) return 0;
+        if (!yci_knit_hang(k, loop)) return 0;
+    }
+    return 1;
+}
+
+/* Ends a row: its loops, from number `first` on, get their places, and the needle is turned or begun anew. */
+static void yci_knit_row_end(yci_knitter *k, int first) {
+    int i, *swap = k->needle, room = k->needle_capacity, n = k->fresh_count;
+    for (i = first; i < k->loop_count; i++) {
+        yci_knit_loop *loop = &k->loops[i];
+        if (loop->row != k->row) continue;
+        if (k->around > 0.0) {
+            loop->x[0] = k->around * (1.0 - (loop->slot + 0.5) / n);
+            loop->x[1] = k->height * (k->row + loop->slot / n);
+        } else {
+            loop->x[0] = k->width * k->dir * (loop->slot - 0.5 * (n - 1));
+            loop->x[1] = k->height * k->row;
+        }
+    }
+    k->needle = k->fresh, k->needle_capacity = k->fresh_capacity, k->needle_count = n;
+    k->fresh = swap, k->fresh_capacity = room, k->fresh_count = 0, k->used = 0;
+    k->row++;
+    if (!k->desc->round) k->dir = -k->dir;
+}
+
+static yc_result yci_knit_room(yci_knitter *k) {
+    if (k->loop_count >= YCI_KNIT_LOOPS)
+        return YCI_FAIL(k->c, YC_ERROR_ARGUMENT, "knit: more than %d loops", YCI_KNIT_LOOPS);
+    return yci_out_of_memory(k->c, "the loops of a knit");
+}
+
+/* Works a row of the chart. */
+static yc_result yci_knit_row(yci_knitter *k, const yc_chart *chart, int row) {
+    const yc_chart_row *r = &chart->rows[row];
+    int part, at, i, n, times[3] = {1, 1, 1}, begin[3], end[3], backward = r->wrong_side && k->desc->round;
+    int first = k->loop_count, done;
+    double makes;
+    yc_result result = yci_chart_fit(k->c, chart, row, k->needle_count, &times[1], &makes);
+    if (result != YC_OK) return result;
+    if (makes > YCI_KNIT_LOOPS) return YCI_FAIL(k->c, YC_ERROR_ARGUMENT, "knit: more than %d loops", YCI_KNIT_LOOPS);
+    begin[0] = r->first, end[0] = begin[1] = r->repeat, end[1] = begin[2] = r->after, end[2] = r->last;
+    for (part = 0; part < 3; part++) {
+        int p = backward ? 2 - part : part;
+        for (n = 0; n < times[p]; n++)
+            for (at = begin[p]; at < end[p]; at++) {
+                const yc_chart_item *item = &chart->items[backward ? begin[p] + end[p] - 1 - at : at];
+                for (i = 0; i < item->times; i++) {
+                    done = yci_knit_stitch(k, item->stitch, r->wrong_side != 0);
+                    if (!done) return yci_knit_room(k);
+                    if (done < 0)
+                        return YCI_FAIL(k->c, YC_ERROR_ARGUMENT,
+                            "chart line %d, row %d: m1 after %d stitches finds no bar between two of the row below",
+                            r->line, row + 1, k->used);
+                }
+            }
+    }
+    yci_knit_row_end(k, first);
+    return YC_OK;
+}
+
+/* Casts on by loops whose legs cross. */
+static yc_result yci_knit_begin(yci_knitter *k) {
+    int i, loop;
+    for (i = 0; i < k->desc->stitches; i++) {
+        loop = yci_knit_new(k, i);
+        if (loop < 0 || !yci_knit_hang(k, loop)) return yci_knit_room(k);
+        k->loops[loop].twist = 1;
+    }
+    yci_knit_row_end(k, 0);
+    return YC_OK;
+}
+
+/* Binds off: each loop is drawn through the next one of the needle and the one before it, at last the yarn's end. */
+static yc_result yci_knit_end(yci_knitter *k) {
+    int i, loop, before = -1, first = k->loop_count, count = k->needle_count;
+    for (i = 0; i <= count; i++, before = loop) {
+        loop = yci_knit_new(k, i);
+        if (loop < 0) return yci_knit_room(k);
+        k->loops[loop].tail = (unsigned char)(i == count);
+        if (before >= 0 && !yci_knit_draw(k, loop, before)) return yci_knit_room(k);
+        if (i == count) break;
+        if (!yci_knit_draw(k, loop, yci_knit_next_old(k)) || !yci_knit_hang(k, loop)) return yci_knit_room(k);
+        k->used++;
+    }
+    yci_knit_row_end(k, first);
+    return YC_OK;
+}
+
+static yc_result yci_knit_work(yci_knitter *k) {
+    const yc_chart *chart = k->desc->chart ? k->desc->chart : &yci_knit_plain;
+    yc_result result;
+    int i;
+    for (i = 0; i < k->desc->rows && !k->desc->round; i++) {
+        int row = i % chart->row_count, below = (row + chart->row_count - 1) % chart->row_count;
+        if (i && !chart->rows[row].wrong_side == !chart->rows[below].wrong_side)
+            return YCI_FAIL(k->c, YC_ERROR_ARGUMENT,
+                "chart: rows %d and %d have the same side in front, so this is worked in the round", below + 1,
+                row + 1);
+        if (i > chart->row_count) break;
+    }
+    k->dir = k->desc->round || chart->rows[0].wrong_side ? -1 : 1; /* row 1 from the right side runs to the left */
+    k->last = -1;
+    result = yci_knit_begin(k);
+    for (i = 0; i < k->desc->rows && result == YC_OK; i++) result = yci_knit_row(k, chart, i % chart->row_count);
+    if (result == YC_OK) result = yci_knit_end(k);
+    return result;
+}
+
+/* ---- where loops lie ---- */
+
+/* From one loop's base to another's; around a tube by the shorter way. */
+static void yci_knit_way(const yci_knitter *k, const double *from, const double *to, double *d) {
+    d[0] = to[0] - from[0], d[1] = to[1] - from[1];
+    if (k->around > 0.0) d[0] -= k->around * floor(d[0] / k->around + 0.5);
+}
+
+static void yci_knit_spring(yci_knitter *k, int a, int b, double rest, double stiffness, double pressed) {
+    double d[2], length, f;
+    int i;
+    yci_knit_way(k, k->loops[a].x, k->loops[b].x, d);
+    length = sqrt(d[0] * d[0] + d[1] * d[1]);
+    f = (length < rest ? pressed : stiffness) * (1.0 - rest / yci_max(length, 1e-3 * rest));
+    for (i = 0; i < 2; i++) k->force[a][i] += f * d[i], k->force[b][i] -= f * d[i];
+    k->force[a][2] += stiffness, k->force[b][2] += stiffness;
+}
+
+/* Springs along rows, which yield when pressed, as stitches draw together; along columns; and weak ones across where
+ * neighbours are plain, which keep columns square to rows. */
+static void yci_knit_forces(yci_knitter *k) {
+    int i, j;
+    memset(k->force, 0, (size_t)k->loop_count * sizeof *k->force);
+    for (i = 0; i < k->loop_count; i++) {
+        const yci_knit_loop *loop = &k->loops[i], *next = loop->next < 0 ? NULL : &k->loops[loop->next];
+        for (j = 0; j < loop->old_count; j++) {
+            int old = k->olds[loop->old + j], rows = loop->row - k->loops[old].row;
+            if (rows) yci_knit_spring(k, i, old, k->height * rows, 1.0, 1.0);
+        }
+        if (!next || next->row != loop->row) continue;
+        yci_knit_spring(k, i, loop->next, k->width * fabs(next->slot - loop->slot), 1.0, 0.3);
+        if (loop->old_count == 1 && next->old_count == 1 && next->slot - loop->slot == 1.0 && !next->tail) {
+            int a = k->olds[loop->old], b = k->olds[next->old], rows = loop->row - k->loops[a].row;
+            double rest = sqrt(k->width * k->width + k->height * k->height * rows * rows);
+            if (k->loops[a].row != k->loops[b].row || fabs(k->loops[a].slot - k->loops[b].slot) != 1.0 || !rows)
+                continue;
+            yci_knit_spring(k, i, b, rest, 0.3, 0.3), yci_knit_spring(k, loop->next, a, rest, 0.3, 0.3);
+        }
+    }
+}
+
+/* Lets the springs move the loops, by steps of Jacobi's method with momentum. */
+static yc_result yci_knit_relax(yci_knitter *k) {
+    int sweep, i, j;
+    double far = k->width;
+    k->force = (double(*)[3])yci_alloc(k->c, (size_t)k->loop_count, sizeof *k->force);
+    k->speed = (double(*)[2])yci_alloc(k->c, (size_t)k->loop_count, sizeof *k->speed);
+    if (!k->force || !k->speed) return yci_out_of_memory(k->c, "the layout of a knit");
+    for (sweep = 0; sweep < YCI_KNIT_SWEEPS && far > 1e-4 * k->width; sweep++) {
+        yci_knit_forces(k);
+        for (i = 0, far = 0.0; i < k->loop_count; i++)
+            for (j = 0; j < 2; j++) {
+                k->speed[i][j] = 0.9 * k->speed[i][j] + 0.5 * k->force[i][j] / yci_max(k->force[i][2], 1e-30);
+                k->loops[i].x[j] += k->speed[i][j];
+                far = yci_max(far, fabs(k->speed[i][j]));
+            }
+    }
+    return YC_OK;
+}
+
+static void yci_knit_add_way(const yci_knitter *k, int from, int to, double sign, double sum[2]) {
+    double d[2], length;
+    yci_knit_way(k, k->loops[from].x, k->loops[to].x, d);
+    length = sqrt(d[0] * d[0] + d[1] * d[1]);
+    if (length > 0.0) sum[0] += sign * d[0] / length, sum[1] += sign * d[1] / length;
+}
+
+/* The direction that is up at a loop's base: between that along its column and that across its row. */
+static void yci_knit_up(const yci_knitter *k, int i, int before, double up[2]) {
+    const yci_knit_loop *loop = &k->loops[i];
+    double row[2] = {0.0, 0.0}, column[2] = {0.0, 0.0}, length;
+    int j;
+    if (before >= 0 && k->loops[before].row == loop->row && !loop->tail) yci_knit_add_way(k, before, i, loop->dir, row);
+    if (loop->next >= 0 && k->loops[loop->next].row == loop->row) yci_knit_add_way(k, i, loop->next, loop->dir, row);
+    for (j = 0; j < loop->old_count; j++) yci_knit_add_way(k, k->olds[loop->old + j], i, 1.0, column);
+    for (j = 0; j < 2 && loop->up[j] >= 0; j++) yci_knit_add_way(k, i, loop->up[j], 1.0, column);
+    for (j = 0; j < 2; j++) {
+        double *d = j ? column : row;
+        length = sqrt(d[0] * d[0] + d[1] * d[1]);
+        if (length > 0.0) d[0] /= length, d[1] /= length;
+    }
+    up[0] = column[0] - row[1], up[1] = column[1] + row[0];
+    length = sqrt(up[0] * up[0] + up[1] * up[1]);
+    if (length < 0.1) up[0] = 0.0, up[1] = length = 1.0;
+    up[0] /= length, up[1] /= length;
+}
+
+/* Numbers the nodes and contacts of a loop. */
+static void yci_knit_number(yci_knitter *k, yci_knit_loop *loop) {
+    loop->node = k->node_count, loop->contact = k->contact_count;
+    if (loop->old_count) {
+        k->node_count += loop->tail ? 2 : 4;
+        k->contact_count += (loop->tail ? 1 : 2) * loop->old_count;
+    }
+    k->node_count += loop->twist;
+}
+
+static int yci_knit_cross(const yci_knit_loop *loop) { return loop->node + (loop->old_count ? 4 : 0); }
+
+/* Places a loop's nodes: A 0.35 widths beside its base and 0.2 heights below, B 0.15 beside and 0.2 above; legs cross
+ * half way up, or at the base of a loop that is drawn through none. */
+static void yci_knit_place_loop(yci_knitter *k, int i, int before) {
+    const yci_knit_loop *loop = &k->loops[i];
+    double up[2], d[2];
+    int j, n, count = !loop->old_count ? 0 : loop->tail ? 2 : 4;
+    yci_knit_up(k, i, before, up);
+    for (n = 0; n < count; n++) {
+        int side = loop->tail ? loop->dir > 0 : n / 2;
+        double x = (side ? 1.0 : -1.0) * (n % 2 ? 0.15 : 0.35) * k->width, y = (n % 2 ? 0.2 : -0.2) * k->height;
+        k->place[loop->node + n][0] = loop->x[0] + up[1] * x + up[0] * y;
+        k->place[loop->node + n][1] = loop->x[1] - up[0] * x + up[1] * y;
+    }
+    if (!loop->twist) return;
+    for (j = 0; j < 2; j++) k->place[yci_knit_cross(loop)][j] = loop->x[j];
+    if (!loop->old_count) return;
+    n = loop->up[1] >= 0 ? 2 : 1;
+    for (j = 0; j < n; j++) {
+        yci_knit_way(k, loop->x, k->loops[loop->up[j]].x, d);
+        for (count = 0; count < 2; count++) k->place[yci_knit_cross(loop)][count] += 0.5 * d[count] / n;
+    }
+}
+
+/* Numbers and places all nodes. The last two are the yarn's ends, half a stitch beyond its first and last loop. */
+static yc_result yci_knit_place(yci_knitter *k) {
+    int i, before = -1, last = k->loop_count - 1, n;
+    yc_result result = k->shaped ? yci_knit_relax(k) : YC_OK;
+    if (result != YC_OK) return result;
+    for (i = 0; i >= 0; i = k->loops[i].next) yci_knit_number(k, &k->loops[i]);
+    k->place = (double(*)[2])yci_alloc(k->c, (size_t)k->node_count + 2, sizeof *k->place);
+    if (!k->place) return yci_out_of_memory(k->c, "the nodes of a knit");
+    for (i = 0; i >= 0; before = i, i = k->loops[i].next) yci_knit_place_loop(k, i, before);
+    n = k->node_count, k->node_count += 2;
+    for (i = 0; i < 2; i++)
+        k->place[n][i] = k->place[k->loops[0].node][i] - (i ? 0.0 : 0.5 * k->width * k->loops[0].dir),
+        k->place[n + 1][i] = k->place[k->loops[last].node + 1][i] + (i ? 0.0 : 0.5 * k->width * k->loops[last].dir);
+    return YC_OK;
+}
+
+/* ---- the yarn's way ---- */
+
+static void yci_knit_go(yci_knitter *k, int node, int layer, int joined) {
+    yci_knit_visit *v = &k->visits[k->visit_count++];
+    v->node = node, v->layer = (signed char)layer, v->joined = (unsigned char)joined;
+}
+
+/* Goes through A and B of one side of the place where `at` is drawn through, or from B to A. `old`: which of its old
+ * loops does so, from the front; -1: `at` itself. Of the k + 1 yarns there the new one lies behind the others at A and
+ * before them at B; of a purl, the other way. */
+static void yci_knit_touch(yci_knitter *k, int at, int old, int side, int down) {
+    const yci_knit_loop *loop = &k->loops[at];
+    int n = loop->old_count, i, end, sides = loop->tail ? 0 : side;
+    for (i = 0; i < 2; i++) {
+        int b = down ? !i : i, before = b != loop->purl, from_front; /* whether the new loop is before the others */
+        from_front = old < 0 ? (before ? 0 : n) : old + before;
+        for (end = 0; end < n; end++)
+            if (old < 0 || end == old) {
+                yc_stitch_contact *s = &k->contacts[loop->contact + sides * n + end];
+                s->visit[old < 0][b] = k->visit_count;
+                s->sign = (signed char)(side == loop->purl ? 1 : -1);
+            }
+        yci_knit_go(k, loop->node + 2 * sides + b, n - 2 * from_front, i == 0);
+    }
+}
+
+/* The head of a loop within one that is drawn through it. `first`: the side that comes first. */
+static void yci_knit_head(yci_knitter *k, int loop, int up, int first) {
+    int old = 0;
+    while (k->olds[k->loops[up].old + old] != loop) old++;
+    if (!k->loops[up].tail) yci_knit_touch(k, up, old, first, 0);
+    yci_knit_touch(k, up, old, !first, 1);
+}
+
+/* Follows the yarn through all loops. Crossing legs: the one from the lower right to the upper left lies in front. */
+static yc_result yci_knit_follow(yci_knitter *k) {
+    int i, j, count = 2, ends = k->node_count - 2;
+    for (i = 0; i < k->loop_count; i++) /* two visits of A and B at each side, by each yarn */
+        count +=
+            (k->loops[i].tail ? 2 : 4) * (k->loops[i].old_count + (k->loops[i].old_count > 0)) + 2 * k->loops[i].twist;
+    k->visits = YCI_NEW(k->c, yci_knit_visit, count);
+    k->contacts = YCI_NEW(k->c, yc_stitch_contact, k->contact_count);
+    if (!k->visits || !k->contacts) return yci_out_of_memory(k->c, "the yarn of a knit");
+    yci_knit_go(k, ends, 0, 0);
+    for (i = 0; i >= 0; i = k->loops[i].next) {
+        const yci_knit_loop *loop = &k->loops[i];
+        int near = loop->dir < 0, turned = loop->up[1] >= 0 && loop->up_dir != loop->dir; /* near: 0 left, 1 right */
+        if (loop->old_count) yci_knit_touch(k, i, -1, loop->tail ? !near : near, 0);
+        if (loop->twist) yci_knit_go(k, yci_knit_cross(loop), -loop->dir, 0);
+        for (j = 0; j < 2; j++) {
+            int up = loop->up[turned ? !j : j];
+            if (up >= 0) yci_knit_head(k, i, up, near ^ loop->twist);
+        }
+        if (loop->twist) yci_knit_go(k, yci_knit_cross(loop), loop->dir, 0);
+        if (loop->old_count && !loop->tail) yci_knit_touch(k, i, -1, !near, 1);
+    }
+    yci_knit_go(k, ends + 1, 0, 0);
+    return YC_OK;
+}
+
+/* Sets `count` points that begin (side 1) or end (side 0) the segment d from or to `at`: equal shares of a turn. */
+static void yci_knit_cut(const double *at, const double *d, double turn, int side, int count, double (*out)[2]) {
+    double x[2], angle, step = side ? YCI_KNIT_STEP : -YCI_KNIT_STEP;
+    int i;
+    x[0] = at[0], x[1] = at[1];
+    for (i = 0; i < count; i++) {
+        angle = (side ? -1.0 : 1.0) * turn * (count - i) / (count + 1);
+        x[0] += step * (cos(angle) * d[0] - sin(angle) * d[1]), x[1] += step * (sin(angle) * d[0] + cos(angle) * d[1]);
+        out[side ? i : count - 1 - i][0] = x[0], out[side ? i : count - 1 - i][1] = x[1];
+    }
+}
+
+/* The points from a visit to the next one, as laid flat; returns their count. */
+static int yci_knit_segment(const yci_knitter *k, int visit, double (*out)[2]) {
+    const yci_knit_visit *v = &k->visits[visit];
+    const double *at = k->place[v->node];
+    int n = v->cuts[1], count = n + v[1].cuts[0] + 2;
+    double d[2], length;
+    if (v->node == v[1].node) { /* a yarn over at the end of a row, drawn through at once */
+        yci_knit_way(k, k->place[v[-1].node], at, d);
+        length = yci_max(sqrt(d[0] * d[0] + d[1] * d[1]), 1e-3 * k->width);
+        out[0][0] = out[2][0] = at[0], out[0][1] = out[2][1] = at[1];
+        out[1][0] = at[0] + 0.3 * k->width / length * d[0], out[1][1] = at[1] + 0.3 * k->width / length * d[1];
+        return 3;
+    }
+    yci_knit_way(k, at, k->place[v[1].node], d);
+    out[0][0] = at[0], out[0][1] = at[1], out[count - 1][0] = at[0] + d[0], out[count - 1][1] = at[1] + d[1];
+    yci_knit_cut(at, d, v->turn, 1, n, out + 1);
+    yci_knit_cut(out[count - 1], d, v[1].turn, 0, v[1].cuts[0], out + 1 + n);
+    return count;
+}
+
+/* How far the way a b, c d turns, from -pi to pi. */
+static double yci_knit_angle(const double *a, const double *b, const double *c, const double *d) {
+    double p[2], q[2];
+    p[0] = b[0] - a[0], p[1] = b[1] - a[1], q[0] = d[0] - c[0], q[1] = d[1] - c[1];
+    return atan2(p[0] * q[1] - p[1] * q[0], p[0] * q[0] + p[1] * q[1]);
+}
+
+static void yci_knit_more(yci_knit_visit *v, int side) {
+    if (v[side - 1].node != v[side].node && v->cuts[side] < YCI_KNIT_CUTS) v->cuts[side]++;
+}
+
+/* Puts nodes beside every turn that is too sharp: into the segment outside of contacts, the longer one. More where that
+ * does not suffice, since nodes at one end of a segment tilt what is left of it. */
+static void yci_knit_turns(yci_knitter *k) {
+    double points[2][2 * YCI_KNIT_CUTS + 2][2], d[2][2];
+    int sweep, i, j, count = 0, before;
+    for (i = 1; i + 1 < k->visit_count; i++) { /* as it turns without nodes */
+        yci_knit_visit *v = &k->visits[i];
+        yci_knit_way(k, k->place[v[-1].node], k->place[v->node], d[0]);
+        yci_knit_way(k, k->place[v->node], k->place[v[1].node], d[1]);
+        v->turn = atan2(d[0][0] * d[1][1] - d[0][1] * d[1][0], d[0][0] * d[1][0] + d[0][1] * d[1][1]);
+        v->after = !v->joined &&
+            (v[-1].joined || d[1][0] * d[1][0] + d[1][1] * d[1][1] >= d[0][0] * d[0][0] + d[0][1] * d[0][1]);
+        if (v[-1].node == v->node || v->node == v[1].node) v->turn = 0.0;
+        if (fabs(v->turn) > YCI_KNIT_TURN)
+            v->cuts[v->after] = (unsigned char)(1 + (fabs(v->turn) > 1.5 * YCI_KNIT_TURN));
+        if (v->node == v[1].node) v->cuts[1] = 1;
+    }
+    for (sweep = 0; sweep < 2 * YCI_KNIT_CUTS; sweep++)
+        for (i = 0; i + 1 < k->visit_count; i++) {
+            yci_knit_visit *v = &k->visits[i];
+            double(*p)[2] = points[i & 1], (*q)[2] = points[~i & 1];
+            before = count, count = yci_knit_segment(k, i, p);
+            if (i && fabs(yci_knit_angle(q[before - 2], q[before - 1], p[0], p[1])) > YCI_KNIT_TURN)
+                yci_knit_more(v, v->after);
+            for (j = 1; j + 1 < count; j++)
+                if (fabs(yci_knit_angle(p[j - 1], p[j], p[j], p[j + 1])) > YCI_KNIT_TURN)
+                    yci_knit_more(j <= v->cuts[1] ? v : v + 1, j <= v->cuts[1]);
+        }
+}
+
+/* Gives the visits their numbers; returns the count of nodes beside turns. */
+static int yci_knit_count(yci_knitter *k) {
+    int i, added = 0;
+    for (i = 0; i < k->visit_count; i++) {
+        added += k->visits[i].cuts[0];
+        k->visits[i].at = i + added;
+        added += k->visits[i].cuts[1];
+    }
+    return added;
+}
+
+/* The place of a point of the flat layout. */
+static void yci_knit_bend(const yci_knitter *k, const double *x, double *out) {
+    double radius = k->around / (2.0 * YCI_PI);
+    out[0] = x[0], out[1] = x[1], out[2] = 0.0;
+    if (radius > 0.0) out[0] = radius * sin(x[0] / radius), out[2] = radius * cos(x[0] / radius);
+}
+
+/* Copies nodes and visits, with the nodes of sharp turns last. */
+static void yci_knit_fill(yci_knitter *k, yc_yarns *y) {
+    double points[2 * YCI_KNIT_CUTS + 2][2];
+    int i, j, next = k->node_count, n;
+    for (i = 0; i < k->node_count; i++) yci_knit_bend(k, k->place[i], y->layout[i]);
+    for (i = 0; i < k->visit_count; i++) {
+        const yci_knit_visit *v = &k->visits[i];
+        y->visit_node[v->at] = v->node, y->visit_layer[v->at] = v->layer;
+        y->visit_held[v->at] = (unsigned char)(i == 0 || i == k->visit_count - 1 ? 2 : 0);
+        if (i + 1 == k->visit_count) break;
+        n = yci_knit_segment(k, i, points);
+        for (j = 1; j + 1 < n; j++, next++) {
+            yci_knit_bend(k, points[j], y->layout[next]);
+            y->visit_node[v->at + j] = next, y->visit_held[v->at + j] = 1;
+        }
+    }
+    for (i = 0; i < k->contact_count; i++) {
+        y->contacts[i] = k->contacts[i];
+        for (j = 0; j < 4; j++) {
+            int *visit = &y->contacts[i].visit[j / 2][j % 2];
+            *visit = k->visits[*visit].at;
+        }
+    }
+}
+
+/* How many visits a loop makes, in `visits`. */
+static int yci_knit_visits_of(const yci_knitter *k, const yci_knit_loop *loop) {
+    int count = (loop->tail ? 2 : 4) * (loop->old_count > 0) + 2 * loop->twist, j;
+    for (j = 0; j < 2 && loop->up[j] >= 0; j++) count += k->loops[loop->up[j]].tail ? 2 : 4;
+    return count;
+}
+
+/* Lengths along the yarn; the mean over worked rows is then what the descriptor asks for. */
+static void yci_knit_measure(const yci_knitter *k, yc_yarns *y) {
+    double d[3], worked = 0.0, least = 1e-3 * yci_min(k->width, k->height), scale = 1.0;
+    int i, v, end, stitches = 0;
+    for (v = 1; v < y->visit_count; v++) {
+        yci_sub(d, y->layout[y->visit_node[v]], y->layout[y->visit_node[v - 1]]);
+        y->visit_u[v] = y->visit_u[v - 1] + yci_max(yci_norm(d), least);
+    }
+    for (i = 0, v = 0; i >= 0; i = k->loops[i].next, v = end) { /* a loop's stretch of yarn ends at its last visit */
+        end = v + yci_knit_visits_of(k, &k->loops[i]);
+        if (k->loops[i].row < 1 || k->loops[i].row > k->desc->rows) continue;
+        worked += y->visit_u[k->visits[end].at] - y->visit_u[k->visits[v].at], stitches++;
+    }
+    if (k->desc->loop > 0.0 && worked > 0.0) scale = k->desc->loop * stitches / worked;
+    for (v = 0; v < y->visit_count; v++) y->visit_u[v] *= scale;
+}
+
+/* Turns the layers of crossing legs where a tube turns away: +1 stands for the side of u x v, which is the inner one
+ * there. That side is the one of the normal's positive z, as in yci_curve_normal. */
+static void yci_knit_cross_layers(const yci_knitter *k, yc_yarns *y) {
+    int i, j, e, v, end;
+    for (i = 0, v = 0; i >= 0; i = k->loops[i].next, v = end) {
+        const yci_knit_loop *loop = &k->loops[i];
+        double t[2][3], d[3], n[3];
+        const double *x;
+        int at[2];
+        end = v + yci_knit_visits_of(k, loop);
+        if (!loop->twist) continue;
+        at[0] = k->visits[v + 1 + (loop->old_count ? 2 : 0)].at, at[1] = k->visits[end - (loop->old_count ? 2 : 0)].at;
+        x = y->layout[y->visit_node[at[0]]];
+        memset(t, 0, sizeof t);
+        for (j = 0; j < 2; j++)
+            for (e = -1; e < 2; e += 2) {
+                yci_sub(d, y->layout[y->visit_node[at[j] + e]], x);
+                yci_axpy(t[j], e / yci_max(yci_norm(d), 1e-300), d);
+            }
+        yci_cross(n, t[0], t[1]);
+        if ((n[2] < 0.0) == (n[0] * x[0] + n[2] * x[2] < 0.0)) continue;
+        for (j = 0; j < 2; j++) y->visit_layer[at[j]] = (signed char)-y->visit_layer[at[j]];
+    }
+}
+
+static yc_result yci_knit_lay(yci_knitter *k, yc_yarns *out) {
+    int added, i, j;
+    double low[2] = {0.0, 0.0};
+    char *block;
+    yc_yarns y;
+    yc_result result = yci_knit_place(k);
+    if (result == YC_OK) result = yci_knit_follow(k);
+    if (result != YC_OK) return result;
+    for (j = 0; j < 2 && k->around == 0.0; j++) {
+        for (i = 0, low[j] = k->place[0][j]; i < k->node_count; i++) low[j] = yci_min(low[j], k->place[i][j]);
+        for (i = 0; i < k->node_count; i++) k->place[i][j] -= low[j];
+    }
+    yci_knit_turns(k);
+    added = yci_knit_count(k);
+    memset(&y, 0, sizeof y);
+    y.node_count = k->node_count + added, y.visit_count = k->visit_count + added;
+    y.yarn_count = y.material_count = 1, y.contact_count = k->contact_count;
+    block = (char *)yci_alloc(k->c, yci_weave_arrays(&y, NULL, 0, 0), 1);
+    if (!block) return yci_out_of_memory(k->c, "a yarn network");
+    yci_weave_arrays(&y, block, 0, 0);
+    y.yarn_first[1] = y.visit_count, y.yarn_family[0] = YC_WEFT, y.materials[0] = k->desc->yarn;
+    yci_knit_fill(k, &y);
+    yci_knit_measure(k, &y);
+    if (k->around > 0.0) yci_knit_cross_layers(k, &y);
+    *out = y;
+    return YC_OK;
+}
+
+YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns *out, char *message) {
+    yci_context c;
+    yci_knitter k;
+    yc_result result = yci_context_init(&c, host);
+    memset(&k, 0, sizeof k);
+    k.c = &c, k.desc = desc;
+    if (result == YC_OK && (!desc || !out)) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "desc and out must not be NULL");
+    if (result == YC_OK) result = yci_knit_check(&c, desc);
+    if (result == YC_OK) {
+        k.width = 1.0 / desc->wales, k.height = 1.0 / desc->courses;
+        k.around = desc->round ? desc->stitches * k.width : 0.0;
+        result = yci_knit_work(&k);
+    }
+    if (result == YC_OK) result = yci_knit_lay(&k, out);
+    yci_free(&c, k.loops), yci_free(&c, k.olds), yci_free(&c, k.needle), yci_free(&c, k.fresh);
+    yci_free(&c, k.force), yci_free(&c, k.speed), yci_free(&c, k.place);
+    yci_free(&c, k.visits), yci_free(&c, k.contacts);
+    if (result == YC_OK) memcpy(out->owner, &c, sizeof c);
+    return yci_report(&c, result, message);
 }
 
 /* =====================================================================================================================
@@ -11977,6 +13312,10 @@ static yc_result yci_cloth_check(yci_context *c, const yc_cloth_desc *d) {
     r = yci_triangle_material_check(c, &d->material);
     if (r == YC_OK && d->mesh.vertex_count) r = yci_mesh_check(c, &d->mesh);
     if (r == YC_OK && d->yarns) r = yci_yarns_check(c, d->yarns, d->mesh.vertex_count ? &d->mesh : NULL);
+    if (r == YC_OK && d->yarns && d->yarns->contact_count)
+        r = YCI_FAIL(c, YC_ERROR_ARGUMENT,
+            "cloth.yarns is a knit (contact_count = %d): knits can be laid and drawn, scenes do not move them yet",
+            d->yarns->contact_count);
     if (r == YC_OK) r = yci_scene_range(c, "cloth.alpha_uniform", d->alpha_uniform, 0.0, 1.0, 0);
     if (r == YC_OK) r = yci_array_check(c, "alpha", d->alpha, d->mesh.vertex_count, 0.0, 1.0, 0);
     if (r == YC_OK) r = yci_array_check(c, "grain", d->grain, d->mesh.triangle_count, -1e3, 1e3, 0);
@@ -15447,7 +16786,8 @@ YC_API yc_result yc_scene_stress(yc_scene *s, int cloth, double *out) {
  * (1 - n w) x + w sum, w = (5/8 - (3/8 + cos(2 pi/n)/4)^2)/n, on borders 3/4 x + 1/8 (a + b).
  *
  * Promises: every loop of yci_parallel writes what it owns, no sum crosses a block. Workspace: curves 28 bytes per
- * visit, 8 per node and 4 per curve; tubes none; subdivision at most 20 bytes per triangle corner and 4 per vertex.
+ * visit, 8 per node (12 in knits) and 4 per curve; tubes none; subdivision at most 20 bytes per triangle corner and 4
+ * per vertex.
  * ===================================================================================================================== */
 
 #define YCI_OUTPUT_GRAIN 64 /* curves or visits in a block of a parallel loop */
@@ -15504,6 +16844,7 @@ typedef struct yci_curve_work {
     const yc_curve_desc *desc;
     yc_curves *out;
     int (*crossing)[2]; /* [node_count], the visits of a node, each plus one; 0: none */
+    int *contact;       /* [node_count], the last stitch contact there plus one; 0: none; NULL: woven */
     int *yarn;          /* [visit_count], whose visit it is */
     double (*point)[3]; /* [visit_count], where the spline passes */
     int *begin;         /* [curve_count], first visit of each curve */
@@ -15581,6 +16922,25 @@ static void yci_curve_normal(const yci_curve_work *w, int a, int b, double *n) {
     yci_cross(n, s, t), yci_normalize(n, zero);
 }
 
+/* The normal of a stitch contact's plane, towards the side of layer +1: where the new loop lies before the old one at
+ * B, that is the knit side. Followed from A to B, the old yarn turns to the right of the new one at B and to the left
+ * of it at A where the contact is the left one of a knit. */
+static void yci_curve_contact(const yci_curve_work *w, const yc_stitch_contact *s, double *n) {
+    const double zero[3] = {0.0, 0.0, 0.0};
+    const signed char *layer = w->yarns->visit_layer;
+    double t[2][3], at[2][3];
+    int yarn, end, left = (s->sign > 0) == (layer[s->visit[1][1]] > layer[s->visit[0][1]]);
+    for (end = 0; end < 2; end++) {
+        for (yarn = 0; yarn < 2; yarn++) {
+            yci_curve_tangent(w, w->nodes, s->visit[yarn][end], t[yarn]), yci_normalize(t[yarn], zero);
+            if (s->visit[yarn][1] < s->visit[yarn][0]) yci_scale(t[yarn], t[yarn], -1.0);
+        }
+        yci_cross(at[end], t[0], t[1]);
+    }
+    yci_sub(n, at[1], at[0]), yci_normalize(n, zero);
+    if (!left) yci_scale(n, n, -1.0);
+}
+
 static void yci_curve_offset(void *arg, int begin, int end) {
     const yci_curve_work *w = (const yci_curve_work *)arg;
     const yc_yarns *y = w->yarns;
@@ -15591,7 +16951,9 @@ static void yci_curve_offset(void *arg, int begin, int end) {
         yci_copy(w->point[v], w->nodes[y->visit_node[v]]);
         if (b < 0 || y->yarn_family[w->yarn[a]] == YC_ROD || y->yarn_family[w->yarn[b]] == YC_ROD) continue;
         sum = y->materials[y->yarn_material[w->yarn[a]]].radius + y->materials[y->yarn_material[w->yarn[b]]].radius;
-        yci_curve_normal(w, a, b, n);
+        if (w->contact && w->contact[y->visit_node[v]])
+            yci_curve_contact(w, &y->contacts[w->contact[y->visit_node[v]] - 1], n);
+        else yci_curve_normal(w, a, b, n);
         yci_axpy(w->point[v], 0.5 * sum * w->desc->offset * y->visit_layer[v], n);
     }
 }
@@ -15626,7 +16988,11 @@ static yc_result yci_curves_fill(yci_context *c, yci_curve_work *w) {
     w->point = (double(*)[3])yci_alloc(c, (size_t)y->visit_count, sizeof *w->point);
     w->yarn = YCI_NEW(c, int, y->visit_count);
     w->begin = YCI_NEW(c, int, w->out->curve_count);
-    if (!w->crossing || !w->point || !w->yarn || !w->begin) r = yci_out_of_memory(c, "the curves");
+    if (y->contact_count) w->contact = YCI_NEW(c, int, y->node_count);
+    if (!w->crossing || !w->point || !w->yarn || !w->begin || (y->contact_count && !w->contact))
+        r = yci_out_of_memory(c, "the curves");
+    for (i = 0; r == YC_OK && i < y->contact_count; i++)
+        for (v = 0; v < 2; v++) w->contact[y->visit_node[y->contacts[i].visit[0][v]]] = i + 1;
     if (r == YC_OK) {
         for (yarn = 0; yarn < y->yarn_count; yarn++)
             for (v = y->yarn_first[yarn]; v < y->yarn_first[yarn + 1]; v++) {
@@ -15638,6 +17004,7 @@ static yc_result yci_curves_fill(yci_context *c, yci_curve_work *w) {
         yci_parallel(c, w->out->curve_count, YCI_OUTPUT_GRAIN, yci_curve_draw, w);
     }
     yci_free(c, w->crossing), yci_free(c, w->point), yci_free(c, w->yarn), yci_free(c, w->begin);
+    yci_free(c, w->contact);
     return r;
 }
 
