@@ -311,8 +311,8 @@ typedef struct yc_yarn_material {
     double crimp_bending;
     double strength; /* N: tension at which the yarn breaks; >= 0; default 0, never */
     /* k_w, N: resistance of the yarns of a stitch contact against any other angle about each other than a quarter turn;
-     * the mean of both counts; >= 0; default 1.2e-2. The quarter turn is far from flat: much more than EI over the
-     * square of a stitch's size crumples a knit */
+     * the mean of both counts; >= 0; default 3e-3. Flat is a quarter turn away: k_w above bending / (60 radius^2) rolls
+     * a knit up or crumples it */
     double wrap;
     double stitch; /* k_l, N: resistance of a stitch contact's length of yarn against sliding; >= 0; default 50 */
 } yc_yarn_material;
@@ -347,8 +347,8 @@ YC_API yc_yarn_desc yc_yarn_desc_default(void);
  *   bending  tex * fibre_tex * R * bending_factor, R the fibre's specific flexural rigidity. With a factor of 1 fibres
  *            slide freely past each other, with tex / fibre_tex the yarn is a solid rod; real yarns lie between 1.5 and
  *            4 (Hearle, Grosberg, Backer 1969; fibre values from Morton and Hearle). crimp_bending is the same
- *   wrap     a fiftieth of bending over the radius squared: bending and wrapping then weigh about the same in a knit
- *            whose stitch contacts are 3.5 radii long; stitch is the same as stretch
+ *   wrap     bending / (200 radius^2): a seventh of what bending resists a turn with, in a knit whose stitch contacts
+ *            are 3.5 radii long, as hand-knitted ones are; stitch is the same as stretch
  *   friction, preload, slide, contact, shear  typical of the fibre and of cloth of such yarn; see yci_fibre_values
  * Single yarns differ from these by a factor of two.
  * desc  not NULL; out  untouched on failure; message  NULL or YC_MESSAGE_SIZE bytes. Errors: ARGUMENT. */
@@ -420,7 +420,8 @@ typedef struct yc_yarns {
      * where that is 0; u is then true length along the undulating yarn. NULL: no crimp, u is measured along the layout
      */
     double *visit_height;
-    /* [visit_count], rad, 0 .. pi: how far the yarn turns there when at rest, in any direction; NULL: 0, straight yarn */
+    /* [visit_count], rad, 0 .. pi: how far the yarn turns there when at rest, in any direction; NULL: 0, it is straight
+     */
     double *visit_turn;
     /* [visit_count], nonzero: u is a label and never slides (ends, rods, lone visits). An end alone at its node with 1
      * is free, and may slide out of the crossing next to it; with 2 it is secured, as by a knot or a selvedge */
@@ -487,9 +488,9 @@ YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char
 YC_API void yc_yarns_destroy(yc_yarns *yarns);
 
 /* The triangle material that stretches, shears, bends and weighs like the weave does when straight: stretch EA/spacing,
- * shear 4 k_x/spacing summed over both families' halves, times the share of places where yarns change sides, bending EI/spacing, density as laid, which with crimp is that
- * of (1 + crimp) times the length. Stretch knows of no crimp. Where there is an order, the mean of its materials
- * counts. desc is not checked. */
+ * shear 4 k_x/spacing summed over both families' halves, times the share of places where yarns change sides, bending
+ * EI/spacing, density as laid, which with crimp is that of (1 + crimp) times the length. Stretch knows of no crimp.
+ * Where there is an order, the mean of its materials counts. desc is not checked. */
 YC_API yc_triangle_material yc_weave_material(const yc_weave_desc *desc);
 
 /* ---- drafts ----------------------------------------------------------------------------------------------------- */
@@ -978,6 +979,20 @@ YC_API yc_result yc_scene_stress(yc_scene *scene, int cloth, double *out);
  * bit as the saved one does, in one build on one machine. Load refuses the state of another scene with PARSE. */
 YC_API yc_result yc_scene_save(yc_scene *scene, void *buffer, size_t *size);
 YC_API yc_result yc_scene_load(yc_scene *scene, const void *buffer, size_t size);
+
+/* What a knit has settled to: `scale` is how much wider and higher its middle became. */
+typedef struct yc_knit_rest {
+    double scale[2];
+    int steps, newton;
+} yc_knit_rest;
+
+/* Gives a knit that yc_knit laid flat its rest shape (YARN 4.1). Yarn that is straight at rest settles on a table, free
+ * and without wrapping, held by friction; what comes of it is the new layout, u its length, and visit_turn how the yarn
+ * turns in it, as fibres set where they are left or washed. A piece starts at rest then, but for wrapping, which curls
+ * it. The gauge becomes wales / scale[0], courses / scale[1].
+ * yarns  not NULL, with visit_turn; untouched on failure; rest  may be NULL
+ * Errors: ARGUMENT (no knit, not flat), MEMORY, DIVERGED. */
+YC_API yc_result yc_knit_relax(const yc_host *host, yc_yarns *yarns, yc_knit_rest *rest, char *message);
 
 /* ---------------------------------------------------------------------------------------------------------------------
  * Output: what a renderer wants
@@ -6300,7 +6315,7 @@ YC_API yc_yarn_material yc_yarn_material_default(void) {
     yc_yarn_material m;
     m.stretch = 50.0, m.bending = 3e-9, m.density = 15e-6, m.radius = 72e-6;
     m.shear = 4e-3, m.shear_limit = 0.9, m.contact = 1.0, m.friction = 0.3, m.slide = 100.0;
-    m.preload = 0.0, m.crimp_bending = m.bending, m.strength = 0.0, m.wrap = 1.2e-2, m.stitch = m.stretch;
+    m.preload = 0.0, m.crimp_bending = m.bending, m.strength = 0.0, m.wrap = 3e-3, m.stitch = m.stretch;
     return m;
 }
 
@@ -8423,7 +8438,7 @@ static yc_yarn_material yci_yarn_make(const yc_yarn_desc *desc) {
     m.radius = sqrt(m.density / (YCI_PI * d.packing * yci_fibre_values[d.fibre].density * 1e3));
     m.stretch = yci_fibre_values[d.fibre].modulus * d.tex, m.strength = yci_fibre_values[d.fibre].tenacity * d.tex;
     m.bending = d.tex * d.fibre_tex * yci_fibre_values[d.fibre].rigidity * d.bending_factor * 1e-9;
-    m.crimp_bending = m.bending, m.wrap = 0.02 * m.bending / (m.radius * m.radius), m.stitch = m.stretch;
+    m.crimp_bending = m.bending, m.wrap = 0.005 * m.bending / (m.radius * m.radius), m.stitch = m.stretch;
     m.friction = yci_fibre_values[d.fibre].friction;
     m.contact = d.tex / 15.0;
     /* As in a shirting, whose crossings are 4.5 radii apart and whose yarns are 7 % longer than the cloth. */
@@ -10251,8 +10266,8 @@ YC_FN double yci_yarn_wrap(const double *q, double k, double psi_0, double *g, d
 /* -- compression --------------------------------------------------------------------------------------------------- */
 
 /* Force in N of one yarn on its offset centre line at the middle one of five visits: tension of the two segments there
- * and the three turns that move with it, with their rest angles. A visit is x[3], offset[3] (contact normal times radius
- * times layer), u; NULL beyond a yarn's end. */
+ * and the three turns that move with it, with their rest angles. A visit is x[3], offset[3] (contact normal times
+ * radius times layer), u; NULL beyond a yarn's end. */
 YC_FN void yci_yarn_crossing_force(
     double *force, const double *const visit[5], double k_stretch, double k_bend, const double *theta_0) {
     const double *here = visit[2];
@@ -14269,8 +14284,8 @@ static int yci_build_lengths(const yci_build *b, int yarn, const yci_role *role)
 }
 
 /* The rubs of a stack, from the lowest pair of neighbours to the highest, and the slides of its visits. The new loop,
- * which lies on one side of all old ones, and the old one next to it are held each by itself; the other old loops, which
- * run side by side, each by its neighbour on the way to the new one (YARN 4.4). */
+ * which lies on one side of all old ones, and the old one next to it are held each by itself; the other old loops,
+ * which run side by side, each by its neighbour on the way to the new one (YARN 4.4). */
 static int yci_build_stack(const yci_build *b, const yci_crossing *here, const yci_role *role) {
     const yc_yarns *y = b->yarns;
     int i, n = here->count, rub = b->m->rub_count, low;
@@ -15849,8 +15864,8 @@ static void yci_unwraps(yc_scene *s) {
     }
 }
 
-/* The normal of a stack, towards its highest layer. Followed from A to B, the old yarn turns to the right of the new one
- * at B and to the left of it at A where the contact is the left one of a knit, whose new loop is on top at B. */
+/* The normal of a stack, towards its highest layer. Followed from A to B, the old yarn turns to the right of the new
+ * one at B and to the left of it at A where the contact is the left one of a knit, whose new loop is on top at B. */
 static void yci_stack_normal(const yc_scene *s, const yci_rub *rub, int contact, double *n) {
     const yci_cloth *cloth = s->cloth + rub->cloth;
     const yc_yarns *y = &cloth->yarns;
@@ -17122,6 +17137,112 @@ YC_API yc_result yc_scene_stress(yc_scene *s, int cloth, double *out) {
     }
     yci_free(&s->c, area);
     return YC_OK;
+}
+
+/* ---- rest shape of knits ---- */
+
+/* How much longer what lies along an axis became, by least squares over the nodes in the middle third of a box. */
+static double yci_rest_scale(const yc_yarns *y, const double (*x)[3], int axis) {
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, n = 0.0, p = 0.0, q = 0.0, pp = 0.0,
+           pq = 0.0;
+    int i, k;
+    for (i = 0; i < 2 * y->node_count; i++) {
+        low[i % 2] = yci_min(low[i % 2], y->layout[i / 2][i % 2]);
+        high[i % 2] = yci_max(high[i % 2], y->layout[i / 2][i % 2]);
+    }
+    for (i = 0; i < y->node_count; i++) {
+        int inside = 1;
+        for (k = 0; k < 2; k++) inside &= fabs(y->layout[i][k] - 0.5 * (low[k] + high[k])) <= (high[k] - low[k]) / 6.0;
+        if (!inside) continue;
+        n += 1.0, p += y->layout[i][axis], q += x[i][axis];
+        pp += y->layout[i][axis] * y->layout[i][axis], pq += y->layout[i][axis] * x[i][axis];
+    }
+    return n * pp - p * p > 0.0 ? (n * pq - p * q) / (n * pp - p * p) : 1.0;
+}
+
+/* A scene in which a knit settles: yarns are straight at rest and do not wrap, so that everything stays in the plane.
+ * *period is about that of a stitch, from its yarn's bending. */
+static yc_result yci_rest_scene(
+    yci_context *c, const yc_host *host, const yc_yarns *y, double *period, yc_scene **out) {
+    yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_yarns plain = *y;
+    double length = 2.0 * (y->visit_u[y->visit_count - 1] - y->visit_u[0]) / y->visit_count;
+    int i;
+    yc_result result;
+    plain.materials = YCI_NEW(c, yc_yarn_material, y->material_count);
+    if (!plain.materials) return yci_out_of_memory(c, "the rest shape of a knit");
+    for (*period = 0.0, i = 0; i < y->material_count; i++) {
+        const yc_yarn_material *m = y->materials + i;
+        plain.materials[i] = *m, plain.materials[i].wrap = 0.0;
+        *period = yci_max(*period, length * length * sqrt(m->density / yci_max(m->bending, 1e-300)));
+    }
+    plain.visit_turn = NULL;
+    yci_zero(settings.gravity, 3);
+    settings.dt_max = 10.0 * *period, settings.dt_min = 1e-6 * *period, settings.mass_damping = 0.05 / *period;
+    settings.tolerance = 1e-4 * plain.materials[0].radius, settings.newton_limit = 25;
+    cloth.yarns = &plain;
+    result = yc_scene_create(host, &settings, out, c->message);
+    if (result == YC_OK) result = yc_scene_add_cloth(*out, &cloth, NULL);
+    if (result != YC_OK && *out) yci_say(c, "%s", yc_scene_message(*out));
+    yci_free(c, plain.materials);
+    return result;
+}
+
+/* Makes what was reached the rest. */
+static void yci_rest_take(yc_yarns *y, const double (*x)[3]) {
+    double q[11] = {0.0}, d[3];
+    int yarn, v, k;
+    for (k = 0; k < y->node_count; k++) yci_copy(y->layout[k], x[k]);
+    for (yarn = 0; yarn < y->yarn_count; yarn++)
+        for (v = y->yarn_first[yarn]; v < y->yarn_first[yarn + 1]; v++) {
+            int inner = v > y->yarn_first[yarn] && v + 1 < y->yarn_first[yarn + 1];
+            if (v > y->yarn_first[yarn]) {
+                yci_sub(d, x[y->visit_node[v]], x[y->visit_node[v - 1]]);
+                y->visit_u[v] = y->visit_u[v - 1] + yci_norm(d);
+            }
+            for (k = 0; k < 3 && inner; k++) yci_copy(q + 3 * k, x[y->visit_node[v + k - 1]]);
+            y->visit_turn[v] = inner ? yci_yarn_bend_strain(q) : 0.0;
+        }
+}
+
+YC_API yc_result yc_knit_relax(const yc_host *host, yc_yarns *y, yc_knit_rest *rest, char *message) {
+    yci_context c;
+    yc_scene *s = NULL;
+    yc_stats stats;
+    yc_knit_rest out;
+    double(*x)[3] = NULL, (*last)[3], period = 0.0, moved = HUGE_VAL;
+    yc_result result = yci_context_init(&c, host);
+    int i;
+    memset(&out, 0, sizeof out);
+    if (result == YC_OK && !y) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns must not be NULL");
+    if (result == YC_OK) result = yci_yarns_check(&c, y, NULL);
+    if (result == YC_OK && (!y->contact_count || !y->visit_turn))
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns must be a knit, with visit_turn");
+    for (i = 0; result == YC_OK && i < y->node_count; i++)
+        if (y->layout[i][2] != 0.0)
+            result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns.layout[%d][2] = %g: only a flat knit settles on a table", i,
+                y->layout[i][2]);
+    if (result == YC_OK && !(x = (double(*)[3])yci_alloc(&c, 2 * (size_t)y->node_count, sizeof *x)))
+        result = yci_out_of_memory(&c, "the rest shape of a knit");
+    if (result == YC_OK) result = yci_rest_scene(&c, host, y, &period, &s);
+    for (out.steps = 0; result == YC_OK && moved > 1e-2 * y->materials[0].radius && out.steps < 100; out.steps++) {
+        last = x + y->node_count, memcpy(last, x, (size_t)y->node_count * sizeof *x);
+        result = yc_scene_step(s, 10.0 * period, &stats);
+        if (result == YC_OK) result = yc_scene_positions(s, 0, YC_NODE, x);
+        if (result != YC_OK) yci_say(&c, "the knit does not settle: %s", yc_scene_message(s));
+        for (moved = 0.0, i = 0; i < 3 * y->node_count; i++)
+            moved = yci_max(moved, fabs(x[i / 3][i % 3] - last[i / 3][i % 3]));
+        out.newton += stats.newton;
+    }
+    if (result == YC_OK) {
+        for (i = 0; i < 2; i++) out.scale[i] = yci_rest_scale(y, (const double(*)[3])x, i);
+        yci_rest_take(y, (const double(*)[3])x);
+        if (rest) *rest = out;
+    }
+    yc_scene_destroy(s);
+    yci_free(&c, x);
+    return yci_report(&c, result, message);
 }
 
 /* =====================================================================================================================
