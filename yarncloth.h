@@ -991,7 +991,7 @@ typedef struct yc_knit_rest {
  * turns in it, as fibres set where they are left or washed. A piece starts at rest then, but for wrapping, which curls
  * it. The gauge becomes wales / scale[0], courses / scale[1].
  * yarns  not NULL, with visit_turn; untouched on failure; rest  may be NULL
- * Errors: ARGUMENT (no knit, not flat), MEMORY, DIVERGED. */
+ * Errors: ARGUMENT (no knit, not flat), MEMORY, DIVERGED. Cost: some hundred direct solves of the whole piece. */
 YC_API yc_result yc_knit_relax(const yc_host *host, yc_yarns *yarns, yc_knit_rest *rest, char *message);
 
 /* ---------------------------------------------------------------------------------------------------------------------
@@ -12890,6 +12890,14 @@ static yc_result yci_system_factor(yci_system *s) {
  * taken as it is; at a minimum it is positive definite, and where its factor shows that it is not, the other is back.
  * Only for direct solves: an incomplete factor would not tell.
  *
+ * Knits (YARN 3 and 4). A node has as many sliding coordinates as yarns. A stitch
+ * contact has two wrapped pairs, the old leg below A with the new one above B and the new foot at A with the old head at
+ * B, each at rest a quarter turn from flat, and keeps its length of yarn; nothing turns or shears there. Yarn jams when
+ * it turns by more than a right angle, and turns by visit_turn at rest: a piece whose yarn would rather be straight has
+ * a moment in every loop and buckles. Every segment has a floor under its length. A stack has one normal; its yarns
+ * press each other by stretch, bending and wrapping. The new loop of a stack and the old one next to it are anchored
+ * each by itself, further old ones by what they slide past their neighbour. Wrapping has no stiffness damping.
+ *
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
  * layout's for any alpha.
@@ -15060,7 +15068,7 @@ static void yci_eval_grip(const yc_scene *s, const yci_pair *pair, const yci_gri
         s->desc.self_friction * e->lambda, e->normal, e->share, u, mode);
 }
 
-/* What the friction of a slide holds. */
+/* What the friction of a slide is about: how far its yarn is, or has slid past its neighbour. */
 static double yci_slid(const yc_scene *s, const yci_slide *e) {
     return e->other < 0 ? s->u[e->visit] : s->u[e->visit] - e->sign * (s->u[e->other] - e->from);
 }
@@ -17181,6 +17189,7 @@ static yc_result yci_rest_scene(
     yci_zero(settings.gravity, 3);
     settings.dt_max = 10.0 * *period, settings.dt_min = 1e-6 * *period, settings.mass_damping = 0.05 / *period;
     settings.tolerance = 1e-4 * plain.materials[0].radius, settings.newton_limit = 25;
+    settings.solver = YC_SOLVER_DIRECT;
     cloth.yarns = &plain;
     result = yc_scene_create(host, &settings, out, c->message);
     if (result == YC_OK) result = yc_scene_add_cloth(*out, &cloth, NULL);

@@ -28,6 +28,7 @@ static yc_result begin(scene_knit *k, char *message) {
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.dt_max = 10.0 * k->period, settings.dt_min = 1e-6 * k->period, settings.mass_damping = 0.2 / k->period;
     settings.tolerance = 2e-3 * yarn->radius, settings.newton_limit = 25;
+    settings.solver = YC_SOLVER_DIRECT;
     cloth.yarns = y;
     k->start = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->start);
     k->x = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->x);
