@@ -12890,13 +12890,13 @@ static yc_result yci_system_factor(yci_system *s) {
  * taken as it is; at a minimum it is positive definite, and where its factor shows that it is not, the other is back.
  * Only for direct solves: an incomplete factor would not tell.
  *
- * Knits (YARN 3 and 4). A node has as many sliding coordinates as yarns. A stitch
- * contact has two wrapped pairs, the old leg below A with the new one above B and the new foot at A with the old head at
- * B, each at rest a quarter turn from flat, and keeps its length of yarn; nothing turns or shears there. Yarn jams when
- * it turns by more than a right angle, and turns by visit_turn at rest: a piece whose yarn would rather be straight has
- * a moment in every loop and buckles. Every segment has a floor under its length. A stack has one normal; its yarns
- * press each other by stretch, bending and wrapping. The new loop of a stack and the old one next to it are anchored
- * each by itself, further old ones by what they slide past their neighbour. Wrapping has no stiffness damping.
+ * Knits (YARN 3 and 4). A node has as many sliding coordinates as yarns. A stitch contact has two wrapped pairs, the
+ * old leg below A with the new one above B and the new foot at A with the old head at B, each at rest a quarter turn
+ * from flat, and keeps its length of yarn; nothing turns or shears there. Yarn jams when it turns by more than a right
+ * angle, and turns by visit_turn at rest: a piece whose yarn would rather be straight has a moment in every loop and
+ * buckles. Every segment has a floor under its length. A stack has one normal; its yarns press each other by stretch,
+ * bending and wrapping. The new loop of a stack and the old one next to it are anchored each by itself, further old
+ * ones by what they slide past their neighbour. Wrapping has no stiffness damping.
  *
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
