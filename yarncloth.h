@@ -761,9 +761,11 @@ YC_API yc_scene_desc yc_scene_desc_preset(yc_preset preset);
 YC_API yc_scene_desc yc_scene_desc_default(void); /* YC_DEFAULT */
 
 typedef struct yc_cloth_desc {
-    unsigned cookie;       /* set by yc_cloth_desc_default() */
-    yc_mesh mesh;          /* zero: none, then yarns alone make the cloth */
-    const yc_yarns *yarns; /* NULL: triangles alone. Copied, like every array here */
+    unsigned cookie; /* set by yc_cloth_desc_default() */
+    yc_mesh mesh;    /* zero: none, then yarns alone make the cloth */
+    /* NULL: triangles alone. Copied, like every array here. A knit is refused on a mesh, with crimp, and where more than
+     * five yarns are stacked */
+    const yc_yarns *yarns;
     /* [node_count], m: where yarn nodes start; NULL: on the mesh, or at their layout without one */
     const double (*yarn_positions)[3];
     /* [vertex_count], 0 triangles .. 1 yarns, in between both; NULL: alpha_uniform everywhere */
@@ -1376,7 +1378,7 @@ YC_FN double yci_angle_difference(double a, double b) {
  * Promises: each entry of a result is summed in one order, whatever the number of workers.
  * ===================================================================================================================== */
 
-#define YCI_BLOCK_MAX 11                         /* rows of the largest node block: a stack of eight yarns */
+#define YCI_BLOCK_MAX 8                          /* rows of the largest node block: a stack of five yarns */
 #define YCI_LU_BLOCK 64                          /* columns of LU's largest block */
 #define YCI_LU_STRIP 24                          /* columns right of a block that are updated together */
 #define YCI_LU_BEHIND 64                         /* numbers behind a block that its search may read */
@@ -13392,9 +13394,9 @@ static yc_result yci_knit_cloth_check(yci_context *c, const yc_cloth_desc *d) {
     count = YCI_NEW(c, int, y->node_count);
     if (!count) return yci_out_of_memory(c, "the check of a knit");
     for (i = 0; i < y->visit_count && r == YC_OK; i++)
-        if (++count[y->visit_node[i]] > YCI_STACK)
-            r = YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.yarns: a stack of more than %d yarns at node %d", YCI_STACK,
-                y->visit_node[i]);
+        if (++count[y->visit_node[i]] > YCI_BLOCK_MAX - 3)
+            r = YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.yarns: a stack of more than %d yarns at node %d",
+                YCI_BLOCK_MAX - 3, y->visit_node[i]);
     for (i = 0; i < 2 * y->contact_count && r == YC_OK; i++) {
         k = y->contacts[i / 2].visit[1][i % 2];
         if (abs(y->visit_layer[k]) != count[y->visit_node[k]] - 1)
