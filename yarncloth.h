@@ -763,8 +763,8 @@ YC_API yc_scene_desc yc_scene_desc_default(void); /* YC_DEFAULT */
 typedef struct yc_cloth_desc {
     unsigned cookie; /* set by yc_cloth_desc_default() */
     yc_mesh mesh;    /* zero: none, then yarns alone make the cloth */
-    /* NULL: triangles alone. Copied, like every array here. A knit is refused on a mesh, with crimp, and where more than
-     * five yarns are stacked */
+    /* NULL: triangles alone. Copied, like every array here. A knit is refused on a mesh, with crimp, and where more
+     * than five yarns are stacked */
     const yc_yarns *yarns;
     /* [node_count], m: where yarn nodes start; NULL: on the mesh, or at their layout without one */
     const double (*yarn_positions)[3];
