@@ -1,6 +1,6 @@
-# GNU make. `make run` simulates and draws a garment, `make woven` yarns that slide, `make hello` the smallest program,
-# `make test` the tests, `make check` the scripts of tests/check. Only a C compiler and libm are needed for all but the
-# last.
+# GNU make. `make run` simulates and draws a garment, `make woven` yarns that slide, `make knit` knits, `make hello` the
+# smallest program, `make test` the tests, `make check` the scripts of tests/check. Only a C compiler and libm are needed
+# for all but the last.
 
 CFLAGS ?= -O2
 STANDARD := -std=c99 -Wall -Wextra -pedantic -Wconversion -Wshadow
@@ -17,7 +17,7 @@ TEST_SOURCES := $(sort $(wildcard tests/*.c))
 BENCHES := $(patsubst tests/bench/%.c,bench-%,$(sort $(wildcard tests/bench/*.c)))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/%,$(sort $(wildcard examples/*.c)))
 
-.PHONY: run woven hello examples test check sanitize $(BENCHES) format clean FORCE
+.PHONY: run woven knit hello examples test check sanitize $(BENCHES) format clean FORCE
 
 # make run SCENE=name ARGS="..." hands both to the program; without them it shows its default.
 run: $(BUILD)/garment
@@ -28,6 +28,11 @@ run: $(BUILD)/garment
 woven: $(BUILD)/woven
 	@mkdir -p out
 	$(BUILD)/woven $(SCENE)
+
+# Knits that curl, draw in or lie flat; make knit SCENE=curl draws one of the scenes.
+knit: $(BUILD)/knit
+	@mkdir -p out
+	$(BUILD)/knit $(SCENE)
 
 hello: $(BUILD)/hello
 	$(BUILD)/hello

@@ -314,6 +314,11 @@ typedef struct yc_yarn_material {
      * much once both together are thinner by a fifth of their thickness; >= 0; default 0: it keeps its shape. Not used
      * without crimp */
     double flattening;
+    /* k_w, N: resistance of the yarns of a stitch contact against any other angle about each other than a quarter turn;
+     * the mean of both counts; >= 0; default 3e-3. Flat is a quarter turn away: k_w above bending / (60 radius^2) rolls
+     * a knit up or crumples it */
+    double wrap;
+    double stitch; /* k_l, N: resistance of a stitch contact's length of yarn against sliding; >= 0; default 50 */
 } yc_yarn_material;
 YC_API yc_yarn_material yc_yarn_material_default(void);
 
@@ -346,6 +351,8 @@ YC_API yc_yarn_desc yc_yarn_desc_default(void);
  *   bending  tex * fibre_tex * R * bending_factor, R the fibre's specific flexural rigidity. With a factor of 1 fibres
  *            slide freely past each other, with tex / fibre_tex the yarn is a solid rod; real yarns lie between 1.5 and
  *            4 (Hearle, Grosberg, Backer 1969; fibre values from Morton and Hearle). crimp_bending is the same
+ *   wrap     bending / (200 radius^2): a seventh of what bending resists a turn with, in a knit whose stitch contacts
+ *            are 3.5 radii long, as hand-knitted ones are; stitch is the same as stretch
  *   friction, preload, slide, contact, shear, flattening  typical of the fibre and of cloth of such yarn; see
  *            yci_fibre_values
  * Single yarns differ from these by a factor of two.
@@ -418,6 +425,9 @@ typedef struct yc_yarns {
      * where that is 0; u is then true length along the undulating yarn. NULL: no crimp, u is measured along the layout
      */
     double *visit_height;
+    /* [visit_count], rad, 0 .. pi: how far the yarn turns there when at rest, in any direction; NULL: 0, it is straight
+     */
+    double *visit_turn;
     /* [visit_count], nonzero: u is a label and never slides (ends, rods, lone visits). An end alone at its node with 1
      * is free, and may slide out of the crossing next to it; with 2 it is secured, as by a knot or a selvedge */
     unsigned char *visit_held;
@@ -758,9 +768,11 @@ YC_API yc_scene_desc yc_scene_desc_preset(yc_preset preset);
 YC_API yc_scene_desc yc_scene_desc_default(void); /* YC_DEFAULT */
 
 typedef struct yc_cloth_desc {
-    unsigned cookie;       /* set by yc_cloth_desc_default() */
-    yc_mesh mesh;          /* zero: none, then yarns alone make the cloth */
-    const yc_yarns *yarns; /* NULL: triangles alone. Copied, like every array here */
+    unsigned cookie; /* set by yc_cloth_desc_default() */
+    yc_mesh mesh;    /* zero: none, then yarns alone make the cloth */
+    /* NULL: triangles alone. Copied, like every array here. A knit is refused on a mesh, with crimp, and where more
+     * than five yarns are stacked */
+    const yc_yarns *yarns;
     /* [node_count], m: where yarn nodes start; NULL: on the mesh, or at their layout without one */
     const double (*yarn_positions)[3];
     /* [vertex_count], 0 triangles .. 1 yarns, in between both; NULL: alpha_uniform everywhere */
@@ -771,7 +783,7 @@ typedef struct yc_cloth_desc {
     const double *prestretch; /* [triangle_count], rest = UV times this; > 0; NULL: 1 */
     int hold_sliding;         /* nonzero: no yarn slides; default 0 */
     /* nonzero: the network stays as given (see yc_event): no yarn breaks, and none slides further than a fifth of the
-     * length laid between two nodes; default 0 */
+     * length laid between two nodes; default 0. Knits stay as given whatever stands here */
     int hold_network;
     /* validation (MIX Fig. 3): every triangle hybrid with alpha 1 and no sliding; default 0 */
     int enrich_all;
@@ -857,6 +869,8 @@ typedef enum yc_term {
     YC_TERM_SEAM,
     YC_TERM_BODY,
     YC_TERM_PAIR,
+    YC_TERM_WRAP,   /* of stitch contacts */
+    YC_TERM_STITCH, /* their lengths */
     YC_TERM_COUNT
 } yc_term;
 YC_API const char *yc_term_name(yc_term term);
@@ -981,6 +995,20 @@ YC_API yc_result yc_scene_stress(yc_scene *scene, int cloth, double *out);
  * bit as the saved one does, in one build on one machine. Load refuses the state of another scene with PARSE. */
 YC_API yc_result yc_scene_save(yc_scene *scene, void *buffer, size_t *size);
 YC_API yc_result yc_scene_load(yc_scene *scene, const void *buffer, size_t size);
+
+/* What a knit has settled to: `scale` is how much wider and higher its middle became. */
+typedef struct yc_knit_rest {
+    double scale[2];
+    int steps, newton;
+} yc_knit_rest;
+
+/* Gives a knit that yc_knit laid flat its rest shape (YARN 4.1). Yarn that is straight at rest settles on a table, free
+ * and without wrapping, held by friction; what comes of it is the new layout, u its length, and visit_turn how the yarn
+ * turns in it, as fibres set where they are left or washed. A piece starts at rest then, but for wrapping, which curls
+ * it. The gauge becomes wales / scale[0], courses / scale[1].
+ * yarns  not NULL, with visit_turn; untouched on failure; rest  may be NULL
+ * Errors: ARGUMENT (no knit, not flat), MEMORY, DIVERGED. Cost: some hundred direct solves of the whole piece. */
+YC_API yc_result yc_knit_relax(const yc_host *host, yc_yarns *yarns, yc_knit_rest *rest, char *message);
 
 /* ---------------------------------------------------------------------------------------------------------------------
  * Output: what a renderer wants
@@ -1364,7 +1392,7 @@ YC_FN double yci_angle_difference(double a, double b) {
  * Promises: each entry of a result is summed in one order, whatever the number of workers.
  * ===================================================================================================================== */
 
-#define YCI_BLOCK_MAX 8                          /* rows of the largest node block */
+#define YCI_BLOCK_MAX 8                          /* rows of the largest node block: a stack of five yarns */
 #define YCI_LU_BLOCK 64                          /* columns of LU's largest block */
 #define YCI_LU_STRIP 24                          /* columns right of a block that are updated together */
 #define YCI_LU_BEHIND 64                         /* numbers behind a block that its search may read */
@@ -6291,6 +6319,7 @@ YC_API yc_yarn_material yc_yarn_material_default(void) {
     m.stretch = 50.0, m.bending = 3e-9, m.density = 15e-6, m.radius = 72e-6;
     m.shear = 4e-3, m.shear_limit = 0.9, m.contact = 1.0, m.friction = 0.3, m.slide = 100.0;
     m.preload = 0.0, m.crimp_bending = m.bending, m.strength = 0.0, m.flattening = 0.0;
+    m.wrap = 3e-3, m.stitch = m.stretch;
     return m;
 }
 
@@ -6388,14 +6417,14 @@ static void yci_yarn_bundle(yc_yarn_material *m, double k) {
 
 static yc_result yci_yarn_material_check(yci_context *c, const char *owner, const yc_yarn_material *m) {
     static const char *const names[] = {"stretch", "density", "radius", "slide", "crimp_bending", "bending", "shear",
-        "contact", "friction", "shear_limit", "preload", "strength", "flattening"};
-    double values[13];
+        "contact", "friction", "shear_limit", "preload", "strength", "flattening", "wrap", "stitch"};
+    double values[15];
     int i;
     values[0] = m->stretch, values[1] = m->density, values[2] = m->radius, values[3] = m->slide;
     values[4] = m->crimp_bending, values[5] = m->bending, values[6] = m->shear, values[7] = m->contact;
     values[8] = m->friction, values[9] = m->shear_limit, values[10] = m->preload, values[11] = m->strength;
-    values[12] = m->flattening;
-    for (i = 0; i < 13; i++) {
+    values[12] = m->flattening, values[13] = m->wrap, values[14] = m->stitch;
+    for (i = 0; i < 15; i++) {
         if (!yci_finite(values[i]))
             return YCI_FAIL(c, YC_ERROR_ARGUMENT, "%s.%s = %g must be finite", owner, names[i], values[i]);
         if (i < 5 && values[i] <= 0.0)
@@ -6584,6 +6613,9 @@ static yc_result yci_yarns_check_visits(yci_context *c, const yc_yarns *y, int *
             if (y->visit_height && !y->visit_layer[k] && y->visit_height[k] != 0.0)
                 return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.visit_height[%d] = %g must be 0: its layer is 0", k,
                     y->visit_height[k]);
+            if (y->visit_turn && !(y->visit_turn[k] >= 0.0 && y->visit_turn[k] <= YCI_PI))
+                return YCI_FAIL(
+                    c, YC_ERROR_ARGUMENT, "yarns.visit_turn[%d] = %g must lie in 0 .. pi", k, y->visit_turn[k]);
             if (++visits[node] > 2 && !y->contact_count)
                 return YCI_FAIL(c, YC_ERROR_TOPOLOGY, "yarns.visit_node[%d] = %d: a third visit of this node", k, node);
         }
@@ -6667,7 +6699,8 @@ static yc_result yci_yarns_check(yci_context *c, const yc_yarns *y, const yc_mes
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.material_count = %d must be at least 1", y->material_count);
     if (!y->layout || !y->yarn_first || !y->yarn_family || !y->yarn_material || !y->visit_node || !y->visit_u ||
         !y->visit_layer || !y->visit_held || !y->materials)
-        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights, visit_height and owner may be NULL");
+        return YCI_FAIL(
+            c, YC_ERROR_ARGUMENT, "yarns: only triangle, weights, visit_height, visit_turn and owner may be NULL");
     if (y->contact_count < 0)
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "yarns.contact_count = %d must not be negative", y->contact_count);
     if (y->contact_count && !y->contacts)
@@ -7403,9 +7436,11 @@ static void *yci_weave_carve(char *block, size_t *used, int count, size_t size) 
     return part;
 }
 
+enum { YCI_HEIGHTS = 1, YCI_TURNS = 2 }; /* arrays that not every network has */
+
 /* Points the arrays of a network, whose counts are set, into the block and returns its size. The context that frees it
  * stands in front. */
-static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh, int crimped) {
+static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh, int has) {
     size_t used = 0;
     y->owner = yci_weave_carve(block, &used, 1, sizeof(yci_context));
     y->layout = (double(*)[3])yci_weave_carve(block, &used, y->node_count, sizeof *y->layout);
@@ -7414,7 +7449,9 @@ static size_t yci_weave_arrays(yc_yarns *y, char *block, int on_mesh, int crimpe
         y->triangle = (int *)yci_weave_carve(block, &used, y->node_count, sizeof *y->triangle);
     }
     y->visit_u = (double *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_u);
-    if (crimped) y->visit_height = (double *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_height);
+    if (has & YCI_HEIGHTS)
+        y->visit_height = (double *)yci_weave_carve(block, &used, y->visit_count, sizeof *y->visit_height);
+    if (has & YCI_TURNS) y->visit_turn = (double *)yci_weave_carve(block, &used, y->visit_count, sizeof(double));
     y->materials = (yc_yarn_material *)yci_weave_carve(block, &used, y->material_count, sizeof *y->materials);
     y->yarn_first = (int *)yci_weave_carve(block, &used, y->yarn_count + 1, sizeof *y->yarn_first);
     y->yarn_material = (int *)yci_weave_carve(block, &used, y->yarn_count, sizeof *y->yarn_material);
@@ -8432,7 +8469,7 @@ static yc_yarn_material yci_yarn_make(const yc_yarn_desc *desc) {
     m.radius = sqrt(m.density / (YCI_PI * d.packing * yci_fibre_values[d.fibre].density * 1e3));
     m.stretch = yci_fibre_values[d.fibre].modulus * d.tex, m.strength = yci_fibre_values[d.fibre].tenacity * d.tex;
     m.bending = d.tex * d.fibre_tex * yci_fibre_values[d.fibre].rigidity * d.bending_factor * 1e-9;
-    m.crimp_bending = m.bending;
+    m.crimp_bending = m.bending, m.wrap = 0.005 * m.bending / (m.radius * m.radius), m.stitch = m.stretch;
     m.friction = yci_fibre_values[d.fibre].friction;
     m.contact = d.tex / 15.0;
     /* As in a shirting, whose crossings are 4.5 radii apart and whose yarns are 7 % longer than the cloth. */
@@ -9674,9 +9711,9 @@ static yc_result yci_knit_lay(yci_knitter *k, yc_yarns *out) {
     memset(&y, 0, sizeof y);
     y.node_count = k->node_count + added, y.visit_count = k->visit_count + added;
     y.yarn_count = y.material_count = 1, y.contact_count = k->contact_count;
-    block = (char *)yci_alloc(k->c, yci_weave_arrays(&y, NULL, 0, 0), 1);
+    block = (char *)yci_alloc(k->c, yci_weave_arrays(&y, NULL, 0, YCI_TURNS), 1);
     if (!block) return yci_out_of_memory(k->c, "a yarn network");
-    yci_weave_arrays(&y, block, 0, 0);
+    yci_weave_arrays(&y, block, 0, YCI_TURNS);
     y.yarn_first[1] = y.visit_count, y.yarn_family[0] = YC_WEFT, y.materials[0] = k->desc->yarn;
     yci_knit_fill(k, &y);
     yci_knit_measure(k, &y);
@@ -9729,6 +9766,7 @@ YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns
  *                that is the hinge of chapter triangle, undefined where a tail lies in the axis). With p, q the parts
  *                of the tails across it, q turned by psi_0 about it, it is k L/2 (|p - q|^2 + (tail.axis)^2 of both);
  *                projected is the Gauss-Newton form of that, exact at rest.
+ *   length       (1/2) k L (du/L - 1)^2, of the yarn in a stitch contact (YARN 4.5). Convex: projected is exact.
  *   turning      the friction law of phi in place of u, k in N m, limit = mu lambda (2/3) rho: the moment of a pressure
  *                lambda spread evenly over a disc of radius rho. Projected as friction and shear are.
  * With crimp u is the true length of a yarn that passes its nodes at heights y, and
@@ -10139,6 +10177,15 @@ YC_FN double yci_yarn_floor(const double *q, double k, double d, double *g, doub
     return -k * d * e * e * logarithm;
 }
 
+/* -- length of a stitch contact: q = (u_a, u_b), at rest `length` ---------------------------------------------------- */
+
+YC_FN double yci_yarn_length(const double *q, double k, double length, double *g, double *h) {
+    double s = (q[1] - q[0]) / length - 1.0;
+    if (g) g[1] = k * s, g[0] = -g[1];
+    if (h) h[0] = h[3] = k / length, h[1] = h[2] = -h[0];
+    return 0.5 * k * length * s * s;
+}
+
 /* -- sliding friction of one visit: k in N/m, limit = mu lambda in N ----------------------------------------------- */
 
 YC_FN double yci_yarn_friction(double u, double anchor, double k, double limit, double *g, double *h, int projected) {
@@ -10275,10 +10322,10 @@ YC_FN double yci_yarn_wrap(const double *q, double k, double psi_0, double *g, d
 /* -- compression --------------------------------------------------------------------------------------------------- */
 
 /* Force in N of one yarn on its offset centre line at the middle one of five visits: tension of the two segments there
- * and the three turns that move with it. A visit is x[3], offset[3] (contact normal times radius times layer), u; NULL
- * beyond a yarn's end. */
+ * and the three turns that move with it, with their rest angles. A visit is x[3], offset[3] (contact normal times
+ * radius times layer), u; NULL beyond a yarn's end. */
 YC_FN void yci_yarn_crossing_force(
-    double *force, const double *const visit[5], double k_stretch, double k_bend, double theta_0) {
+    double *force, const double *const visit[5], double k_stretch, double k_bend, const double *theta_0) {
     const double *here = visit[2];
     double q[11], g[11], nowhere[3] = {0.0, 0.0, 0.0};
     yci_zero(force, 3);
@@ -10296,7 +10343,7 @@ YC_FN void yci_yarn_crossing_force(
         if (!visit[turn - 1] || !visit[turn] || !visit[turn + 1]) continue;
         for (int i = 0; i < 3; i++) yci_add(q + 3 * i, visit[turn - 1 + i], visit[turn - 1 + i] + 3);
         q[9] = visit[turn - 1][6], q[10] = visit[turn + 1][6];
-        yci_yarn_bend(q, k_bend, theta_0, 0.0, 0.0, 0.0, g, NULL, 0);
+        yci_yarn_bend(q, k_bend, theta_0[turn - 1], 0.0, 0.0, 0.0, g, NULL, 0);
         yci_axpy(force, -1.0, g + 3 * (3 - turn));
     }
 }
@@ -12557,7 +12604,7 @@ static void yci_system_coarse_assemble(yci_system *s) {
 static void yci_system_full_mass(const yci_system *s, const double *r, double *z) {
     int i;
     for (i = 0; i < s->a.n; i++) {
-        double inverse[64];
+        double inverse[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
         const double *m = s->mass + s->mass_at[i];
         int d = s->a.dim[i], a, b, o = s->a.off[i];
         if (s->is_hybrid[i] || !s->is_yarn[i]) continue;
@@ -12937,6 +12984,14 @@ static yc_result yci_system_factor(yci_system *s) {
  * 9.9 iterations a sub-step instead of 9.4; without crimp 3.6 instead of 4.0), and with triangles stress would have to
  * be watched like tension: there nothing is kept.
  *
+ * Knits (YARN 3 and 4). A node has as many sliding coordinates as yarns. A stitch contact has two wrapped pairs, the
+ * old leg below A with the new one above B and the new foot at A with the old head at B, each at rest a quarter turn
+ * from flat, and keeps its length of yarn; nothing turns or shears there. Yarn jams when it turns by more than a right
+ * angle, and turns by visit_turn at rest: a piece whose yarn would rather be straight has a moment in every loop and
+ * buckles. Every segment has a floor under its length. A stack has one normal; its yarns press each other by stretch,
+ * bending and wrapping. The new loop of a stack and the old one next to it are anchored each by itself, further old
+ * ones by what they slide past their neighbour. Wrapping has no stiffness damping.
+ *
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
  * layout's for any alpha.
@@ -12986,7 +13041,7 @@ typedef struct yci_segment {
 } yci_segment; /* a, b, c: visits */
 typedef struct yci_bend {
     int a, b, c;
-    double stiffness, previous;
+    double stiffness, rest, jam, previous;
 } yci_bend;
 typedef struct yci_kink {
     int a, b, c;
@@ -13011,10 +13066,27 @@ typedef struct yci_adjacent {
     int a, b, drop;
     double stiffness, distance, hardness, floor, limit;
 } yci_adjacent;
+/* The friction of a visit: its u is held, or, in a stack, its u less `sign` times what its neighbour `other` has slid
+ * from `from`. */
 typedef struct yci_slide {
-    int visit, rub; /* -1: none */
-    double stiffness, share;
+    int visit, other, rub; /* -1: none */
+    double sign, from, stiffness, share;
 } yci_slide;
+/* A stitch contact's yarns wrap about each other: visits at its two nodes, of the yarns whose tails are p and q there.
+ */
+typedef struct yci_wrap {
+    int a, b, p, q;
+    double stiffness, rest;
+} yci_wrap;
+/* The yarn in a stitch contact. */
+typedef struct yci_length {
+    int a, b;
+    double stiffness, length;
+} yci_length;
+/* A stack of yarns at a node of a knit: `count` rubs from `rub`, from the lowest upwards. */
+typedef struct yci_stack {
+    int contact, rub, count; /* contact: of its cloth; -1: none, legs that cross */
+} yci_stack;
 /* A crossing with friction, by numbers of its cloth's network; limit = mu lambda. */
 typedef struct yci_rub {
     int cloth, visit[2], yarn[2];
@@ -13056,6 +13128,8 @@ enum {
     YCI_ADJACENT,
     YCI_FLATTEN,
     YCI_SLIDE,
+    YCI_WRAP,
+    YCI_LENGTH,
     YCI_FACE,
     YCI_HINGE,
     YCI_STITCH,
@@ -13080,6 +13154,7 @@ typedef struct yci_local {
 #define YCI_NEAR 10.0         /* tolerances: a shorter Newton step may be the last but for one that need not be taken */
 #define YCI_PATIENCE 3        /* Newton iterations without a lower E before line searches begin */
 #define YCI_JAM_WIDTH 0.05    /* rad, over which shear jamming rises to its full stiffness */
+#define YCI_TURN_WIDTH 0.3    /* rad, likewise for the bending of a knit's yarns */
 #define YCI_TAIL 0.15         /* pitches: a yarn's end slides out of a crossing that is closer */
 #define YCI_LONG 2.0          /* pitches: a longer segment gets a node */
 
@@ -13100,6 +13175,7 @@ typedef struct yci_model {
     unsigned char *undulates; /* [visits], whether z counts */
     double *lift;             /* [visits], m, y at rest */
     double *thrust;           /* [visits], N, dV/dy of the yarn alone; lagged */
+    double *unwrap;           /* [3 visits], N: what wrapping does to each yarn of a knit; lagged; NULL without knits */
     double *mass;             /* [nodes], kg, of translation */
     double *mass_fixed;       /* [nodes], the part of it that no sliding changes */
     double *reaction;         /* [3 pinned], N; behind the vectors from dof */
@@ -13113,6 +13189,9 @@ typedef struct yci_model {
     YCI_ARRAY(yci_flatten, flatten);
     YCI_ARRAY(yci_slide, slide);
     YCI_ARRAY(yci_rub, rub);
+    YCI_ARRAY(yci_wrap, wrap);
+    YCI_ARRAY(yci_length, length);
+    YCI_ARRAY(yci_stack, stack);
     YCI_ARRAY(yci_face, face);
     YCI_ARRAY(yci_hinge, hinge);
     YCI_ARRAY(yci_stitch, stitch);
@@ -13199,7 +13278,7 @@ static char *yci_state_array_of(const yci_state_array *a) {
 
 YC_API const char *yc_term_name(yc_term term) {
     static const char *const names[] = {"kinetic", "gravity", "stretch", "bending", "shear", "adjacent", "flattening",
-        "slide", "membrane", "hinge", "seam", "body", "pair"};
+        "slide", "membrane", "hinge", "seam", "body", "pair", "wrap", "stitch"};
     return (int)term >= 0 && term < YC_TERM_COUNT ? names[term] : "unknown yc_term";
 }
 
@@ -13314,6 +13393,7 @@ static void yci_model_destroy(yc_scene *s) {
     yci_free(c, m->undulates), yci_free(c, m->height_slot), yci_free(c, m->lift), yci_free(c, m->thrust);
     yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear), yci_free(c, m->turn),
         yci_free(c, m->adjacent), yci_free(c, m->flatten), yci_free(c, m->slide), yci_free(c, m->rub);
+    yci_free(c, m->wrap), yci_free(c, m->length), yci_free(c, m->stack), yci_free(c, m->unwrap);
     yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
     yci_free(c, m->grip), yci_free(c, m->edge), yci_free(c, m->ball), yci_free(c, m->face_node),
         yci_pairs_free(c, &m->pairs);
@@ -13434,6 +13514,31 @@ static yc_result yci_cloth_check_starts(yci_context *c, const yc_cloth_desc *d) 
     return YC_OK;
 }
 
+/* What a scene asks of a knit beyond yci_yarns_check: how many yarns a stack has, and that what is drawn through the
+ * others lies on one side of them. */
+static yc_result yci_knit_cloth_check(yci_context *c, const yc_cloth_desc *d) {
+    const yc_yarns *y = d->yarns;
+    int i, k, *count;
+    yc_result r = YC_OK;
+    if (d->mesh.vertex_count) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.mesh: a knit cannot lie on one");
+    if (y->visit_height) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.yarns.visit_height: a knit cannot have crimp");
+    count = YCI_NEW(c, int, y->node_count);
+    if (!count) return yci_out_of_memory(c, "the check of a knit");
+    for (i = 0; i < y->visit_count && r == YC_OK; i++)
+        if (++count[y->visit_node[i]] > YCI_BLOCK_MAX - 3)
+            r = YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.yarns: a stack of more than %d yarns at node %d",
+                YCI_BLOCK_MAX - 3, y->visit_node[i]);
+    for (i = 0; i < 2 * y->contact_count && r == YC_OK; i++) {
+        k = y->contacts[i / 2].visit[1][i % 2];
+        if (abs(y->visit_layer[k]) != count[y->visit_node[k]] - 1)
+            r = YCI_FAIL(c, YC_ERROR_ARGUMENT,
+                "cloth.yarns.visit_layer[%d] = %d: the new loop must lie on top of its stack of %d, or below all", k,
+                y->visit_layer[k], count[y->visit_node[k]]);
+    }
+    yci_free(c, count);
+    return r;
+}
+
 static yc_result yci_cloth_check(yci_context *c, const yc_cloth_desc *d) {
     yc_result r;
     if (!d) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth descriptor is NULL");
@@ -13443,10 +13548,7 @@ static yc_result yci_cloth_check(yci_context *c, const yc_cloth_desc *d) {
     r = yci_triangle_material_check(c, &d->material);
     if (r == YC_OK && d->mesh.vertex_count) r = yci_mesh_check(c, &d->mesh);
     if (r == YC_OK && d->yarns) r = yci_yarns_check(c, d->yarns, d->mesh.vertex_count ? &d->mesh : NULL);
-    if (r == YC_OK && d->yarns && d->yarns->contact_count)
-        r = YCI_FAIL(c, YC_ERROR_ARGUMENT,
-            "cloth.yarns is a knit (contact_count = %d): knits can be laid and drawn, scenes do not move them yet",
-            d->yarns->contact_count);
+    if (r == YC_OK && d->yarns && d->yarns->contact_count) r = yci_knit_cloth_check(c, d);
     if (r == YC_OK) r = yci_scene_range(c, "cloth.alpha_uniform", d->alpha_uniform, 0.0, 1.0, 0);
     if (r == YC_OK) r = yci_array_check(c, "alpha", d->alpha, d->mesh.vertex_count, 0.0, 1.0, 0);
     if (r == YC_OK) r = yci_array_check(c, "grain", d->grain, d->mesh.triangle_count, -1e3, 1e3, 0);
@@ -13494,7 +13596,7 @@ typedef struct yci_network_part {
     size_t bytes;
 } yci_network_part;
 
-enum { YCI_NETWORK_PARTS = 11 };
+enum { YCI_NETWORK_PARTS = 13 };
 
 static void yci_network_parts(const yc_yarns *y, yci_network_part *list) {
     size_t nodes = (size_t)y->node_count, yarns = (size_t)y->yarn_count, visits = (size_t)y->visit_count;
@@ -13503,20 +13605,23 @@ static void yci_network_parts(const yc_yarns *y, yci_network_part *list) {
         {y->visit_height, y->visit_height ? visits * sizeof *y->visit_height : 0},
         {y->triangle, y->triangle ? nodes * sizeof *y->triangle : 0}, {y->yarn_first, (yarns + 1) * sizeof(int)},
         {y->yarn_material, yarns * sizeof(int)}, {y->visit_node, visits * sizeof(int)}, {y->yarn_family, yarns},
-        {y->visit_layer, visits}, {y->visit_held, visits}};
+        {y->visit_layer, visits}, {y->visit_held, visits},
+        {y->visit_turn, y->visit_turn ? visits * sizeof *y->visit_turn : 0},
+        {y->contacts, (size_t)y->contact_count * sizeof *y->contacts}};
     memcpy(list, all, sizeof all);
 }
 
 /* Makes a network with room for these counts and the materials of another. */
 static int yci_network_new(
     yci_context *c, const yc_yarns *like, int nodes, int yarns, int visits, int on_mesh, yc_yarns *out) {
+    const int has = (like->visit_height ? YCI_HEIGHTS : 0) | (like->visit_turn ? YCI_TURNS : 0);
     char *block;
     memset(out, 0, sizeof *out);
     out->node_count = nodes, out->yarn_count = yarns, out->visit_count = visits;
-    out->material_count = like->material_count;
-    block = (char *)yci_alloc(c, yci_weave_arrays(out, NULL, on_mesh, like->visit_height != NULL), 1);
+    out->material_count = like->material_count, out->contact_count = like->contact_count;
+    block = (char *)yci_alloc(c, yci_weave_arrays(out, NULL, on_mesh, has), 1);
     if (!block) return 0;
-    yci_weave_arrays(out, block, on_mesh, like->visit_height != NULL);
+    yci_weave_arrays(out, block, on_mesh, has);
     memcpy(out->materials, like->materials, (size_t)like->material_count * sizeof *like->materials);
     return 1;
 }
@@ -13641,6 +13746,7 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
     yci_grow_commit(c, grow, n);
     yci_scene_shift_nodes(s, vertices);
     s->node_room = nodes, s->visit_room = visits;
+    cloth.desc.hold_network |= cloth.yarns.contact_count > 0;
     cloth.laid_nodes = cloth.yarns.node_count, cloth.laid_visits = cloth.yarns.visit_count;
     if (desc->yarns) yci_network_pitch(desc->yarns, cloth.pitch);
     cloth.vertex = s->vertices, cloth.triangle = s->triangles;
@@ -14017,9 +14123,10 @@ static int yci_build_segment(const yci_build *b, int yarn, int a) {
     return 1;
 }
 
-/* The two visits of a crossing: of the other yarn at a node, and both yarns' numbers. Filled once per cloth. */
+/* The visits of a node, those of a stack from the lowest yarn to the highest, and their yarns' numbers. Filled once per
+ * cloth. */
 typedef struct yci_crossing {
-    int visit[2], yarn[2], count, rub;
+    int *visit, *yarn, count, rub;
     double bind; /* see yci_build_bind */
 } yci_crossing;
 
@@ -14081,13 +14188,16 @@ static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *cros
                 if (!e) return 0;
                 e->a = base, e->b = base + 1, e->c = base + 2;
                 e->stiffness = alpha * material->bending, e->previous = 0.0;
+                e->rest = y->visit_turn ? y->visit_turn[a + 1] : 0.0;
+                e->jam = y->contact_count ? YCI_TURN_WIDTH : 0.0;
             }
             if (y->visit_height && !yci_build_kink(b, yarn, a + 1, alpha)) return 0;
         }
         if (active && (b->m->visit_slot[base] >= 0 || b->m->visit_slot[base + 1] >= 0)) {
             yci_adjacent *e = YCI_PUSH(b, adjacent);
             double rest = yci_build_laid(b, yarn, a);
-            int parallel = here->count == 2 && next->count == 2; /* else the segment runs to an end: nothing to touch */
+            /* else the segment runs to an end, with nothing to touch; of a knit it may be a stitch contact's */
+            int parallel = here->count == 2 && next->count == 2 && !y->contact_count;
             if (!e) return 0;
             touching = parallel ? yci_yarn_of(b, here->yarn[here->yarn[0] == yarn])->radius +
                     yci_yarn_of(b, next->yarn[next->yarn[0] == yarn])->radius
@@ -14158,16 +14268,18 @@ static void yci_build_slots(const yci_build *b, const yci_crossing *crossing) {
         for (visit = y->yarn_first[yarn] + 1; visit < y->yarn_first[yarn + 1] - 1; visit++) {
             int node = y->visit_node[visit], global = b->cloth->node + node;
             if (y->visit_held[visit] || b->m->role[global] != YCI_FULL || b->m->held[global] ||
-                crossing[node].count != 2)
+                crossing[node].count < 2)
                 continue;
             if (!yci_build_full(b, visit - 1) || !yci_build_full(b, visit + 1)) continue;
             b->m->visit_slot[b->cloth->visit + visit] = 3;
         }
-    for (k = 0; k < y->node_count; k++) { /* the second sliding visit of a node comes behind the first */
+    for (k = 0; k < y->node_count; k++) { /* the sliding visits of a node stand behind each other */
         const yci_crossing *here = crossing + k;
-        if (here->count == 2 && b->m->visit_slot[b->cloth->visit + here->visit[0]] >= 0 &&
-            b->m->visit_slot[b->cloth->visit + here->visit[1]] >= 0)
-            b->m->visit_slot[b->cloth->visit + here->visit[1]] = 4;
+        int i, slot = 3;
+        for (i = 0; i < here->count; i++) {
+            int *at = b->m->visit_slot + b->cloth->visit + here->visit[i];
+            if (*at >= 0) *at = slot++;
+        }
     }
 }
 
@@ -14256,32 +14368,175 @@ static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
         if (b->m->visit_slot[visit] < 0) continue;
         e = YCI_PUSH(b, slide);
         if (!e) return 0;
-        e->visit = visit, e->rub = here->rub, e->stiffness = 0.5 * (p->slide + q->slide);
+        e->visit = visit, e->rub = here->rub, e->stiffness = 0.5 * (p->slide + q->slide), e->other = -1;
     }
     return 1;
 }
 
-/* Enters a network's visits at their nodes. Visits are numbered from `first`, nodes by visit_node. */
-static void yci_crossing_fill(yci_crossing *crossing, const yc_yarns *y, const int *visit_node, int first) {
-    int yarn, visit;
-    for (yarn = 0; yarn < y->yarn_count; yarn++)
-        for (visit = y->yarn_first[yarn]; visit < y->yarn_first[yarn + 1]; visit++) {
-            yci_crossing *at = crossing + visit_node[visit];
-            at->visit[at->count] = first + visit, at->yarn[at->count++] = yarn;
+/* ---- model: elements of knits ---- */
+
+/* Which way a visit goes through its stitch contact, from A to B +1, and whether it is the new loop's there. */
+typedef struct yci_role {
+    signed char way;
+    unsigned char fresh;
+    int contact; /* one that names it; -1: none */
+} yci_role;
+
+static void yci_build_knit_roles(const yc_yarns *y, yci_role *role) {
+    int i, k;
+    for (i = 0; i < y->visit_count; i++) role[i].contact = -1;
+    for (i = 0; i < y->contact_count; i++)
+        for (k = 0; k < 4; k++) {
+            const int *pair = y->contacts[i].visit[k / 2];
+            yci_role *at = role + pair[k % 2];
+            at->way = (signed char)(pair[1] - pair[0]), at->contact = i;
+            if (k / 2) at->fresh = 1;
         }
+}
+
+/* The two wrapped pairs of a contact: the old leg below A with the new one above B, the new foot at A with the old head
+ * at B. */
+static int yci_build_wraps(const yci_build *b, const yci_crossing *crossing, int contact) {
+    const yc_yarns *y = b->yarns;
+    const yc_stitch_contact *s = y->contacts + contact;
+    double length = 0.0, k = 0.0;
+    int i, yarn[2];
+    for (i = 0; i < 2; i++) {
+        const yci_crossing *at = crossing + y->visit_node[s->visit[i][0]];
+        int j = 0;
+        while (at->visit[j] != s->visit[i][0]) j++;
+        yarn[i] = at->yarn[j];
+        length += 0.5 * fabs(y->visit_u[s->visit[i][1]] - y->visit_u[s->visit[i][0]]);
+        k += 0.5 * yci_yarn_of(b, yarn[i])->wrap;
+    }
+    for (i = 0; i < 2 && k > 0.0; i++) {
+        const int *old = s->visit[i], *fresh = s->visit[!i]; /* of i = 0; for 1 they change their parts */
+        int p = 2 * old[0] - old[1], q = 2 * fresh[1] - fresh[0];
+        yci_wrap *e;
+        if (p < y->yarn_first[yarn[i]] || p >= y->yarn_first[yarn[i] + 1]) continue;
+        if (q < y->yarn_first[yarn[!i]] || q >= y->yarn_first[yarn[!i] + 1]) continue;
+        e = YCI_PUSH(b, wrap);
+        if (!e) return 0;
+        e->a = b->cloth->visit + old[0], e->b = b->cloth->visit + fresh[1];
+        e->p = b->cloth->visit + p, e->q = b->cloth->visit + q;
+        e->stiffness = k * length, e->rest = -0.5 * YCI_PI * s->sign; /* both tails turn to the same side */
+    }
+    return 1;
+}
+
+/* The lengths of yarn in stitch contacts: every segment once, however many contacts name it. */
+static int yci_build_lengths(const yci_build *b, int yarn, const yci_role *role) {
+    const yc_yarns *y = b->yarns;
+    int k;
+    for (k = y->yarn_first[yarn]; k + 1 < y->yarn_first[yarn + 1]; k++) {
+        int a = b->cloth->visit + k, contact = role[k].contact, i, in = 0;
+        yci_length *e;
+        for (i = 0; i < 2 && contact >= 0; i++) {
+            const int *pair = y->contacts[contact].visit[i];
+            in |= (pair[0] == k && pair[1] == k + 1) || (pair[1] == k && pair[0] == k + 1);
+        }
+        if (!in || yci_yarn_of(b, yarn)->stitch <= 0.0 || (b->m->visit_slot[a] < 0 && b->m->visit_slot[a + 1] < 0))
+            continue;
+        e = YCI_PUSH(b, length);
+        if (!e) return 0;
+        e->a = a, e->b = a + 1, e->length = y->visit_u[k + 1] - y->visit_u[k];
+        e->stiffness = yci_yarn_of(b, yarn)->stitch;
+    }
+    return 1;
+}
+
+/* The rubs of a stack, from the lowest pair of neighbours to the highest, and the slides of its visits. The new loop,
+ * which lies on one side of all old ones, and the old one next to it are held each by itself; the other old loops,
+ * which run side by side, each by its neighbour on the way to the new one (YARN 4.4). */
+static int yci_build_stack(const yci_build *b, const yci_crossing *here, const yci_role *role) {
+    const yc_yarns *y = b->yarns;
+    int i, n = here->count, rub = b->m->rub_count, low;
+    double friction = 0.0;
+    yci_stack *stack;
+    if (n < 2) return 1;
+    for (i = 0; i < n; i++) friction += yci_yarn_of(b, here->yarn[i])->friction;
+    low = role[here->visit[0]].fresh || !role[here->visit[n - 1]].fresh; /* whether the new loop is the lowest */
+    if (friction > 0.0) {
+        stack = YCI_PUSH(b, stack);
+        if (!stack) return 0;
+        stack->contact = role[here->visit[0]].contact, stack->rub = rub, stack->count = n - 1;
+        for (i = 0; i + 1 < n; i++) {
+            yci_rub *e = YCI_PUSH(b, rub);
+            if (!e) return 0;
+            e->cloth = (int)(b->cloth - b->s->cloth), e->preload = e->limit = 0.0;
+            e->visit[0] = here->visit[i], e->visit[1] = here->visit[i + 1];
+            e->yarn[0] = here->yarn[i], e->yarn[1] = here->yarn[i + 1];
+            e->friction = 0.5 * (yci_yarn_of(b, here->yarn[i])->friction + yci_yarn_of(b, here->yarn[i + 1])->friction);
+        }
+    }
+    for (i = 0; i < n; i++) {
+        int visit = here->visit[i], rank = low ? i : n - 1 - i,
+            partner = rank == 0 ? 1 : rank - 1; /* from the new one */
+        int other = here->visit[low ? partner : n - 1 - partner], pair = low ? 0 : n - 2;
+        yci_slide *e;
+        if (b->m->visit_slot[b->cloth->visit + visit] < 0) continue;
+        e = YCI_PUSH(b, slide);
+        if (!e) return 0;
+        e->visit = b->cloth->visit + visit, e->other = -1;
+        if (rank > 1) {
+            pair = low ? i - 1 : i, e->other = b->cloth->visit + other, e->from = y->visit_u[other];
+            e->sign = role[visit].way * role[other].way < 0 ? -1.0 : 1.0;
+        }
+        e->rub = friction > 0.0 ? rub + pair : -1;
+        e->stiffness = 0.5 *
+            (yci_yarn_of(b, here->yarn[i])->slide + yci_yarn_of(b, here->yarn[low ? partner : n - 1 - partner])->slide);
+    }
+    return 1;
+}
+
+static int yci_build_knit(const yci_build *b, const yci_crossing *crossing) {
+    const yc_yarns *y = b->yarns;
+    yci_context *c = &b->s->c;
+    yci_role *role = YCI_NEW(c, yci_role, y->visit_count);
+    int i, ok = role != NULL;
+    if (ok) yci_build_knit_roles(y, role);
+    for (i = 0; ok && i < y->contact_count; i++) ok = yci_build_wraps(b, crossing, i);
+    for (i = 0; ok && i < y->yarn_count; i++) ok = yci_build_lengths(b, i, role);
+    for (i = 0; ok && i < y->node_count; i++) ok = yci_build_stack(b, crossing + i, role);
+    if (ok && !b->m->unwrap) ok = (b->m->unwrap = YCI_NEW(c, double, 3 * (size_t)b->s->visits)) != NULL;
+    yci_free(c, role);
+    return ok;
+}
+
+/* Enters a network's visits at their nodes, in `room` [2 visits]. Visits are numbered from `first`, nodes by
+ * visit_node; stacks are sorted. */
+static void yci_crossing_fill(yci_crossing *crossing, const yc_yarns *y, const int *visit_node, int first, int *room) {
+    int yarn, visit, pass, k;
+    for (pass = 0; pass < 2; pass++)
+        for (yarn = 0; yarn < y->yarn_count; yarn++)
+            for (visit = y->yarn_first[yarn]; visit < y->yarn_first[yarn + 1]; visit++) {
+                yci_crossing *at = crossing + visit_node[visit];
+                if (!pass) {
+                    at->count++;
+                    continue;
+                }
+                if (!at->visit) at->visit = room, at->yarn = room + at->count, room += 2 * at->count, at->count = 0;
+                for (k = at->count++; k && y->contact_count; k--) {
+                    if (y->visit_layer[at->visit[k - 1] - first] <= y->visit_layer[visit]) break;
+                    at->visit[k] = at->visit[k - 1], at->yarn[k] = at->yarn[k - 1];
+                }
+                at->visit[k] = first + visit, at->yarn[k] = yarn;
+            }
 }
 
 static int yci_build_yarns(yci_build *b) {
     yci_context *c = &b->s->c;
     const yc_yarns *y = b->yarns;
     yci_crossing *crossing = YCI_NEW(c, yci_crossing, y->node_count);
-    int yarn, node, ok = crossing != NULL;
-    if (ok) yci_crossing_fill(crossing, y, y->visit_node, 0), yci_build_slots(b, crossing);
+    int yarn, node, woven = y->contact_count == 0, *room = YCI_NEW(c, int, 2 * (size_t)y->visit_count);
+    int ok = crossing && room;
+    if (ok) yci_crossing_fill(crossing, y, y->visit_node, 0, room), yci_build_slots(b, crossing);
     if (ok && b->m->height_slot) ok = yci_build_heights(b, crossing);
     for (yarn = 0; ok && yarn < y->yarn_count; yarn++) ok = yci_build_yarn(b, yarn, crossing);
-    for (node = 0; ok && node < y->node_count; node++) ok = yci_build_slides(b, crossing + node, node);
-    for (node = 0; ok && node < y->node_count; node++) ok = yci_build_shear(b, crossing, node);
-    yci_free(c, crossing);
+    if (ok && !woven) ok = yci_build_knit(b, crossing);
+    for (node = 0; ok && woven && node < y->node_count; node++) ok = yci_build_slides(b, crossing + node, node);
+    for (node = 0; ok && woven && node < y->node_count; node++) ok = yci_build_shear(b, crossing, node);
+    yci_free(c, crossing), yci_free(c, room);
     return ok;
 }
 
@@ -14508,7 +14763,7 @@ static size_t yci_build_couple(const yci_model *m, const int *node, int count, i
     int i, j;
     for (i = 0; i < count; i++)
         for (j = 0; j < i; j++) {
-            if (m->system_node[node[i]] < 0 || m->system_node[node[j]] < 0) continue;
+            if (m->system_node[node[i]] < 0 || m->system_node[node[j]] < 0 || node[i] == node[j]) continue;
             if (pairs) pairs[at][0] = m->system_node[node[i]], pairs[at][1] = m->system_node[node[j]];
             at++;
         }
@@ -14517,7 +14772,7 @@ static size_t yci_build_couple(const yci_model *m, const int *node, int count, i
 
 static size_t yci_build_couplings(const yc_scene *s, const yci_model *m, int (*pairs)[2]) {
     size_t at = 0;
-    int i, node[3];
+    int i, node[4];
     for (i = 0; i < m->segment_count; i++) {
         node[0] = s->visit_node[m->segment[i].a], node[1] = s->visit_node[m->segment[i].b];
         at = yci_build_couple(m, node, 2, pairs, at);
@@ -14531,6 +14786,12 @@ static size_t yci_build_couplings(const yc_scene *s, const yci_model *m, int (*p
         node[0] = s->visit_node[m->kink[i].a], node[1] = s->visit_node[m->kink[i].b],
         node[2] = s->visit_node[m->kink[i].c];
         at = yci_build_couple(m, node, 3, pairs, at);
+    }
+    for (i = 0; i < m->wrap_count; i++) {
+        const yci_wrap *e = m->wrap + i;
+        node[0] = s->visit_node[e->a], node[1] = s->visit_node[e->b], node[2] = s->visit_node[e->p],
+        node[3] = s->visit_node[e->q];
+        at = yci_build_couple(m, node, 4, pairs, at);
     }
     for (i = 0; i < m->shear_count; i++) at = yci_build_couple(m, m->shear[i].node, 3, pairs, at);
     for (i = 0; i < m->face_count; i++) at = yci_build_couple(m, m->face[i].node, 3, pairs, at);
@@ -14970,6 +15231,20 @@ static void yci_eval_grip(const yc_scene *s, const yci_pair *pair, const yci_gri
         s->desc.self_friction * e->lambda, e->normal, e->share, u, mode);
 }
 
+/* What the friction of a slide is about: how far its yarn is, or has slid past its neighbour. */
+static double yci_slid(const yc_scene *s, const yci_slide *e) {
+    return e->other < 0 ? s->u[e->visit] : s->u[e->visit] - e->sign * (s->u[e->other] - e->from);
+}
+
+/* The unknowns of a wrapped pair: its contact's nodes, then the far ends of the tails. */
+static void yci_local_wrap(const yc_scene *s, yci_local *out, double *q, const yci_wrap *e) {
+    int node[4];
+    node[0] = s->visit_node[e->a], node[1] = s->visit_node[e->b];
+    node[2] = s->visit_node[e->p], node[3] = s->visit_node[e->q];
+    yci_local_nodes(out, 4, node);
+    yci_local_gather(s, out, q);
+}
+
 /* What friction holds, mu lambda; nothing where there is none. */
 static double yci_rub_limit(const yci_model *m, int rub) { return rub < 0 ? 0.0 : m->rub[rub].limit; }
 
@@ -15000,7 +15275,7 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
     case YCI_BEND: {
         const yci_bend *e = m->bend + i;
         yci_local_visits(s, out, q, 3, &e->a);
-        out->energy = yci_yarn_bend(q, e->stiffness, 0.0, 0.0, m->rate, e->previous, g, h, projected);
+        out->energy = yci_yarn_bend(q, e->stiffness, e->rest, e->jam, m->rate, e->previous, g, h, projected);
         break;
     }
     case YCI_KINK: {
@@ -15049,10 +15324,29 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
         out->nodes = 1, out->points = out->dofs = 0;
         out->node[0] = s->visit_node[e->visit];
         yci_local_slide(s, out, q, 0, e->visit);
+        if (e->other >= 0) yci_local_slide(s, out, q, 0, e->other);
+        q[0] = yci_slid(s, e);
         out->energy = yci_yarn_friction(q[0], s->anchor[e->visit], e->stiffness, yci_rub_limit(m, e->rub), g, h, 1);
         if (h)
             h[0] *=
                 yci_yarn_friction_factor(q[0], s->anchor[e->visit], e->stiffness, yci_rub_limit(m, e->rub), e->share);
+        if (e->other >= 0 && g) g[1] = -e->sign * g[0];
+        if (e->other >= 0 && h) h[3] = h[0], h[1] = h[2] = -e->sign * h[0];
+        break;
+    }
+    case YCI_WRAP: {
+        const yci_wrap *e = m->wrap + i;
+        yci_local_wrap(s, out, q, e);
+        out->energy = yci_yarn_wrap(q, e->stiffness, e->rest, g, h, projected);
+        break;
+    }
+    case YCI_LENGTH: {
+        const yci_length *e = m->length + i;
+        out->nodes = 2, out->points = out->dofs = 0;
+        out->node[0] = s->visit_node[e->a], out->node[1] = s->visit_node[e->b];
+        yci_local_slide(s, out, q, 0, e->a);
+        yci_local_slide(s, out, q, 1, e->b);
+        out->energy = yci_yarn_length(q, e->stiffness, e->length, g, h);
         break;
     }
     case YCI_FACE: {
@@ -15086,6 +15380,8 @@ static int yci_count(const yci_model *m, int kind) {
     case YCI_ADJACENT: return m->adjacent_count;
     case YCI_FLATTEN: return m->flatten_count;
     case YCI_SLIDE: return m->slide_count;
+    case YCI_WRAP: return m->wrap_count;
+    case YCI_LENGTH: return m->length_count;
     case YCI_FACE: return m->face_count;
     case YCI_HINGE: return m->hinge_count;
     case YCI_STITCH: return m->stitch_count;
@@ -15227,7 +15523,8 @@ static void yci_masses(yc_scene *s) {
 static double yci_inertia(yc_scene *s, int mode) {
     yci_model *m = s->model;
     const yci_bsr *a = &m->system.a;
-    double energy = 0.0, f = 1.0 / (m->h * m->h), c = s->desc.mass_damping / m->h, dof[8] = {0.0}, lag[8] = {0.0};
+    double energy = 0.0, f = 1.0 / (m->h * m->h), c = s->desc.mass_damping / m->h, dof[YCI_BLOCK_MAX] = {0.0},
+           lag[YCI_BLOCK_MAX] = {0.0};
     int i, r, t;
     for (i = 0; i < a->n; i++) {
         const double *block = m->system.mass + m->system.mass_at[i];
@@ -15512,9 +15809,11 @@ static void yci_predict(yc_scene *s, const double *direction, double share) {
     }
     for (i = 0; i < m->slide_count; i++) {
         yci_slide *e = m->slide + i;
-        double du = direction ? direction[yci_dof_of_slide(s, e->visit)] : 0.0;
-        double after = yci_yarn_friction_predict(
-            s->u[e->visit], s->anchor[e->visit], du, e->stiffness, yci_rub_limit(m, e->rub), e->share);
+        double du = direction ? direction[yci_dof_of_slide(s, e->visit)] : 0.0, after;
+        if (e->other >= 0 && direction && m->visit_slot[e->other] >= 0)
+            du -= e->sign * direction[yci_dof_of_slide(s, e->other)];
+        after = yci_yarn_friction_predict(
+            yci_slid(s, e), s->anchor[e->visit], du, e->stiffness, yci_rub_limit(m, e->rub), e->share);
         e->share = direction ? e->share + share * (after - e->share) : 0.0;
     }
     for (i = 0; i < m->face_count; i++) {
@@ -15711,6 +16010,17 @@ static int yci_yarn_goes_on(const yc_scene *s, const yci_cloth *cloth, int yarn,
         s->model->role[s->visit_node[cloth->visit + visit]] != YCI_IDLE;
 }
 
+/* The yarn of a visit of a cloth's network. */
+static int yci_scene_yarn_of(const yci_cloth *cloth, int visit) {
+    int low = 0, high = cloth->yarns.yarn_count;
+    while (low + 1 < high) {
+        int middle = low + (high - low) / 2;
+        if (cloth->yarns.yarn_first[middle] <= visit) low = middle;
+        else high = middle;
+    }
+    return low;
+}
+
 /* The unit tangent of a yarn at a visit, one-sided at its ends. */
 static void yci_yarn_tangent(const yc_scene *s, const yci_cloth *cloth, int visit, int yarn, double *t) {
     const double up[3] = {0.0, 1.0, 0.0};
@@ -15726,8 +16036,10 @@ static void yci_yarn_press(
     const yc_yarns *y = &cloth->yarns;
     const yc_yarn_material *material = y->materials + y->yarn_material[yarn];
     const double *there[5];
-    double point[5][7];
+    double point[5][7], turn[3] = {0.0, 0.0, 0.0};
     int k;
+    for (k = 0; k < 3 && y->visit_turn; k++)
+        if (yci_yarn_goes_on(s, cloth, yarn, visit + k - 1)) turn[k] = y->visit_turn[visit + k - 1];
     for (k = 0; k < 5; k++) {
         int at = visit + k - 2;
         there[k] = k == 2 || yci_yarn_goes_on(s, cloth, yarn, at) ? point[k] : NULL;
@@ -15736,7 +16048,7 @@ static void yci_yarn_press(
         yci_scale(point[k] + 3, n, material->radius * y->visit_layer[at]);
         point[k][6] = s->u[cloth->visit + at];
     }
-    yci_yarn_crossing_force(force, there, material->stretch, material->bending, 0.0);
+    yci_yarn_crossing_force(force, there, material->stretch, material->bending, turn);
 }
 
 /* What two yarns press each other with where they do not undulate (YARN 4.3). */
@@ -15775,15 +16087,82 @@ static void yci_thrusts(yc_scene *s) {
     }
 }
 
+/* What wrapping does to each yarn: all of a tail's pull is its yarn's. */
+static void yci_unwraps(yc_scene *s) {
+    yci_model *m = s->model;
+    yci_local out;
+    double q[12], g[12];
+    int i, k;
+    memset(m->unwrap, 0, 3 * (size_t)s->visits * sizeof(double));
+    for (i = 0; i < m->wrap_count; i++) {
+        const int visit[4] = {m->wrap[i].a, m->wrap[i].b, m->wrap[i].p, m->wrap[i].q};
+        yci_local_wrap(s, &out, q, m->wrap + i);
+        yci_yarn_wrap(q, m->wrap[i].stiffness, m->wrap[i].rest, g, NULL, 0);
+        for (k = 0; k < 4; k++) yci_axpy(m->unwrap + 3 * visit[k], -1.0, g + 3 * k);
+    }
+}
+
+/* The normal of a stack, towards its highest layer. Followed from A to B, the old yarn turns to the right of the new
+ * one at B and to the left of it at A where the contact is the left one of a knit, whose new loop is on top at B. */
+static void yci_stack_normal(const yc_scene *s, const yci_rub *rub, int contact, double *n) {
+    const yci_cloth *cloth = s->cloth + rub->cloth;
+    const yc_yarns *y = &cloth->yarns;
+    const yc_stitch_contact *at = y->contacts + contact;
+    const double up[3] = {0.0, 1.0, 0.0};
+    double t[2][3], cross[2][3];
+    int yarn, end, knit;
+    if (contact < 0) { /* crossing legs: the layout's side, as where yarns are drawn */
+        for (yarn = 0; yarn < 2; yarn++) yci_yarn_tangent(s, cloth, rub->visit[yarn], rub->yarn[yarn], t[yarn]);
+        yci_cross(n, t[0], t[1]), yci_normalize(n, up);
+        return;
+    }
+    knit = (at->sign > 0) == (y->visit_layer[at->visit[1][1]] > y->visit_layer[at->visit[0][1]]);
+    for (end = 0; end < 2; end++) {
+        for (yarn = 0; yarn < 2; yarn++) {
+            int visit = at->visit[yarn][end];
+            yci_yarn_tangent(s, cloth, visit, yci_scene_yarn_of(cloth, visit), t[yarn]);
+            if (at->visit[yarn][1] < at->visit[yarn][0]) yci_scale(t[yarn], t[yarn], -1.0);
+        }
+        yci_cross(cross[end], t[0], t[1]);
+    }
+    yci_sub(n, cross[1], cross[0]), yci_normalize(n, up);
+    if (!knit) yci_scale(n, n, -1.0);
+}
+
+/* What the neighbours of every stack press each other with (YARN 4.3), one normal for all of them. */
+static void yci_press_stacks(yc_scene *s) {
+    yci_model *m = s->model;
+    int i, k, c;
+    if (!m->stack_count) return;
+    yci_unwraps(s);
+    for (i = 0; i < m->stack_count; i++) {
+        const yci_stack *e = m->stack + i;
+        yci_rub *rub = m->rub + e->rub;
+        const yci_cloth *cloth = s->cloth + rub->cloth;
+        double n[3], force[3], load[YCI_STACK], one[YCI_STACK], lambda[YCI_STACK];
+        yci_stack_normal(s, rub, e->contact, n);
+        for (k = 0; k <= e->count; k++) {
+            int at = k < e->count ? k : k - 1, side = k == e->count;
+            const double *unwrap = m->unwrap + 3 * (cloth->visit + rub[at].visit[side]);
+            yci_yarn_press(s, cloth, rub[at].visit[side], rub[at].yarn[side], n, force);
+            for (load[k] = 0.0, one[k] = 1.0, c = 0; c < 3; c++) load[k] += n[c] * (force[c] + unwrap[c]);
+        }
+        yci_yarn_stack_compression(lambda, e->count + 1, load, one, one);
+        for (k = 0; k < e->count; k++) rub[k].limit = rub[k].friction * lambda[k];
+    }
+}
+
 /* What presses the yarns of every crossing with friction together, and what its friction holds by that. */
 static void yci_compress(yc_scene *s) {
     yci_model *m = s->model;
     int i;
     if (m->rub_count && m->thrust) yci_thrusts(s);
+    yci_press_stacks(s);
     for (i = 0; i < m->rub_count; i++) {
         yci_rub *e = m->rub + i;
         const yci_cloth *cloth = s->cloth + e->cloth;
         double lambda;
+        if (cloth->yarns.contact_count) continue;
         if (m->thrust && cloth->yarns.visit_height) {
             int up = cloth->yarns.visit_layer[e->visit[0]] < 0 ? 1 : 0;
             const double *thrust = m->thrust + cloth->visit;
@@ -15855,7 +16234,7 @@ static void yci_anchors(yc_scene *s) {
     for (i = 0; i < m->slide_count; i++) {
         const yci_slide *e = m->slide + i;
         double *anchor = s->anchor + e->visit;
-        *anchor = yci_yarn_friction_anchor(s->u[e->visit], *anchor, e->stiffness, yci_rub_limit(m, e->rub));
+        *anchor = yci_yarn_friction_anchor(yci_slid(s, e), *anchor, e->stiffness, yci_rub_limit(m, e->rub));
     }
     for (i = 0; i < m->turn_count; i++) {
         const yci_turn *e = m->turn + i;
@@ -16016,7 +16395,8 @@ typedef struct yci_change {
     yc_scene *s;
     unsigned char *drop, *add; /* [visits]: whether it goes, and what comes behind it */
     unsigned char *touched;    /* [nodes], whether a visit leaves it */
-    yci_crossing *crossing;    /* [nodes], visits by their numbers in the scene */
+    yci_crossing *crossing;    /* [nodes], visits by their numbers in the scene, */
+    int *room;                 /* [2 visits], which lie here */
     /* The cloths' networks to come, owner NULL where it stays; and in their numbering: */
     yc_yarns *to;
     int *node_from;        /* [nodes], the number before; -1: new */
@@ -16123,6 +16503,7 @@ static void yci_change_push(yci_change *w, int node, double laid, int layer, int
     to->visit_layer[w->visit] = (signed char)layer, to->visit_held[w->visit] = (unsigned char)held;
     if (to->visit_height)
         to->visit_height[w->visit] = from < 0 ? 0.0 : y->visit_height[from - w->s->cloth[w->cloth].visit];
+    if (to->visit_turn) to->visit_turn[w->visit] = from < 0 ? 0.0 : y->visit_turn[from - w->s->cloth[w->cloth].visit];
     w->visit_from[w->first_visit + w->visit] = from;
     w->visits[w->first_node + node]++, w->visit++;
 }
@@ -16423,10 +16804,12 @@ static yc_result yci_change_networks(yc_scene *s) {
     w.s = s;
     w.drop = YCI_NEW(c, unsigned char, s->visits), w.add = YCI_NEW(c, unsigned char, s->visits);
     w.touched = YCI_NEW(c, unsigned char, s->nodes), w.crossing = YCI_NEW(c, yci_crossing, s->nodes);
+    w.room = YCI_NEW(c, int, 2 * (size_t)s->visits);
     w.to = YCI_NEW(c, yc_yarns, s->cloth_count);
-    ok = w.drop && w.add && w.touched && w.crossing && w.to;
+    ok = w.drop && w.add && w.touched && w.crossing && w.room && w.to;
     for (i = 0; ok && i < s->cloth_count; i++)
-        yci_crossing_fill(w.crossing, &s->cloth[i].yarns, s->visit_node + s->cloth[i].visit, s->cloth[i].visit);
+        yci_crossing_fill(w.crossing, &s->cloth[i].yarns, s->visit_node + s->cloth[i].visit, s->cloth[i].visit,
+            w.room + 2 * s->cloth[i].visit);
     if (ok) yci_change_mark(s, &w), ok = yci_change_acquire(&w);
     if (ok) {
         int nodes = s->node_room > w.node_count ? s->node_room : w.node_count;
@@ -16442,7 +16825,8 @@ static yc_result yci_change_networks(yc_scene *s) {
         yci_change_commit(&w, grow, arrays);
     }
     for (i = 0; w.to && i < s->cloth_count; i++) yci_free(c, w.to[i].owner);
-    yci_free(c, w.drop), yci_free(c, w.add), yci_free(c, w.touched), yci_free(c, w.crossing), yci_free(c, w.to);
+    yci_free(c, w.drop), yci_free(c, w.add), yci_free(c, w.touched), yci_free(c, w.crossing), yci_free(c, w.room),
+        yci_free(c, w.to);
     yci_free(c, w.node_from), yci_free(c, w.visit_from), yci_free(c, w.visits), yci_free(c, w.mass);
     return ok ? YC_OK : yci_out_of_memory(c, "a change of yarns");
 }
@@ -16754,8 +17138,8 @@ YC_API yc_result yc_scene_step(yc_scene *s, double dt, yc_stats *out) {
 
 YC_API yc_result yc_scene_energy(yc_scene *s, double terms[YC_TERM_COUNT]) {
     static const int term_of[] = {YC_TERM_COUNT, YC_TERM_BENDING, YC_TERM_BENDING, YC_TERM_SHEAR, YC_TERM_ADJACENT,
-        YC_TERM_FLATTENING, YC_TERM_SLIDE, YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM, YC_TERM_BODY, YC_TERM_PAIR,
-        YC_TERM_STRETCH, YC_TERM_GRAVITY};
+        YC_TERM_FLATTENING, YC_TERM_SLIDE, YC_TERM_WRAP, YC_TERM_STITCH, YC_TERM_MEMBRANE, YC_TERM_HINGE, YC_TERM_SEAM,
+        YC_TERM_BODY, YC_TERM_PAIR, YC_TERM_STRETCH, YC_TERM_GRAVITY};
     yci_model *m;
     yc_result result = yci_scene_build(s);
     int i, r, t, kind;
@@ -16993,6 +17377,113 @@ YC_API yc_result yc_scene_stress(yc_scene *s, int cloth, double *out) {
     }
     yci_free(&s->c, area);
     return YC_OK;
+}
+
+/* ---- rest shape of knits ---- */
+
+/* How much longer what lies along an axis became, by least squares over the nodes in the middle third of a box. */
+static double yci_rest_scale(const yc_yarns *y, const double (*x)[3], int axis) {
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, n = 0.0, p = 0.0, q = 0.0, pp = 0.0,
+           pq = 0.0;
+    int i, k;
+    for (i = 0; i < 2 * y->node_count; i++) {
+        low[i % 2] = yci_min(low[i % 2], y->layout[i / 2][i % 2]);
+        high[i % 2] = yci_max(high[i % 2], y->layout[i / 2][i % 2]);
+    }
+    for (i = 0; i < y->node_count; i++) {
+        int inside = 1;
+        for (k = 0; k < 2; k++) inside &= fabs(y->layout[i][k] - 0.5 * (low[k] + high[k])) <= (high[k] - low[k]) / 6.0;
+        if (!inside) continue;
+        n += 1.0, p += y->layout[i][axis], q += x[i][axis];
+        pp += y->layout[i][axis] * y->layout[i][axis], pq += y->layout[i][axis] * x[i][axis];
+    }
+    return n * pp - p * p > 0.0 ? (n * pq - p * q) / (n * pp - p * p) : 1.0;
+}
+
+/* A scene in which a knit settles: yarns are straight at rest and do not wrap, so that everything stays in the plane.
+ * *period is about that of a stitch, from its yarn's bending. */
+static yc_result yci_rest_scene(
+    yci_context *c, const yc_host *host, const yc_yarns *y, double *period, yc_scene **out) {
+    yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_yarns plain = *y;
+    double length = 2.0 * (y->visit_u[y->visit_count - 1] - y->visit_u[0]) / y->visit_count;
+    int i;
+    yc_result result;
+    plain.materials = YCI_NEW(c, yc_yarn_material, y->material_count);
+    if (!plain.materials) return yci_out_of_memory(c, "the rest shape of a knit");
+    for (*period = 0.0, i = 0; i < y->material_count; i++) {
+        const yc_yarn_material *m = y->materials + i;
+        plain.materials[i] = *m, plain.materials[i].wrap = 0.0;
+        *period = yci_max(*period, length * length * sqrt(m->density / yci_max(m->bending, 1e-300)));
+    }
+    plain.visit_turn = NULL;
+    yci_zero(settings.gravity, 3);
+    settings.dt_max = 10.0 * *period, settings.dt_min = 1e-6 * *period, settings.mass_damping = 0.05 / *period;
+    settings.tolerance = 1e-4 * plain.materials[0].radius, settings.newton_limit = 25;
+    settings.solver = YC_SOLVER_DIRECT;
+    cloth.yarns = &plain;
+    result = yc_scene_create(host, &settings, out, c->message);
+    if (result == YC_OK) result = yc_scene_add_cloth(*out, &cloth, NULL);
+    if (result != YC_OK && *out) yci_say(c, "%s", yc_scene_message(*out));
+    yci_free(c, plain.materials);
+    return result;
+}
+
+/* Makes what was reached the rest. */
+static void yci_rest_take(yc_yarns *y, const double (*x)[3]) {
+    double q[11] = {0.0}, d[3];
+    int yarn, v, k;
+    for (k = 0; k < y->node_count; k++) yci_copy(y->layout[k], x[k]);
+    for (yarn = 0; yarn < y->yarn_count; yarn++)
+        for (v = y->yarn_first[yarn]; v < y->yarn_first[yarn + 1]; v++) {
+            int inner = v > y->yarn_first[yarn] && v + 1 < y->yarn_first[yarn + 1];
+            if (v > y->yarn_first[yarn]) {
+                yci_sub(d, x[y->visit_node[v]], x[y->visit_node[v - 1]]);
+                y->visit_u[v] = y->visit_u[v - 1] + yci_norm(d);
+            }
+            for (k = 0; k < 3 && inner; k++) yci_copy(q + 3 * k, x[y->visit_node[v + k - 1]]);
+            y->visit_turn[v] = inner ? yci_yarn_bend_strain(q) : 0.0;
+        }
+}
+
+YC_API yc_result yc_knit_relax(const yc_host *host, yc_yarns *y, yc_knit_rest *rest, char *message) {
+    yci_context c;
+    yc_scene *s = NULL;
+    yc_stats stats;
+    yc_knit_rest out;
+    double(*x)[3] = NULL, (*last)[3], period = 0.0, moved = HUGE_VAL;
+    yc_result result = yci_context_init(&c, host);
+    int i;
+    memset(&out, 0, sizeof out);
+    if (result == YC_OK && !y) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns must not be NULL");
+    if (result == YC_OK) result = yci_yarns_check(&c, y, NULL);
+    if (result == YC_OK && (!y->contact_count || !y->visit_turn))
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns must be a knit, with visit_turn");
+    for (i = 0; result == YC_OK && i < y->node_count; i++)
+        if (y->layout[i][2] != 0.0)
+            result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns.layout[%d][2] = %g: only a flat knit settles on a table", i,
+                y->layout[i][2]);
+    if (result == YC_OK && !(x = (double(*)[3])yci_alloc(&c, 2 * (size_t)y->node_count, sizeof *x)))
+        result = yci_out_of_memory(&c, "the rest shape of a knit");
+    if (result == YC_OK) result = yci_rest_scene(&c, host, y, &period, &s);
+    for (out.steps = 0; result == YC_OK && moved > 1e-2 * y->materials[0].radius && out.steps < 100; out.steps++) {
+        last = x + y->node_count, memcpy(last, x, (size_t)y->node_count * sizeof *x);
+        result = yc_scene_step(s, 10.0 * period, &stats);
+        if (result == YC_OK) result = yc_scene_positions(s, 0, YC_NODE, x);
+        if (result != YC_OK) yci_say(&c, "the knit does not settle: %s", yc_scene_message(s));
+        for (moved = 0.0, i = 0; i < 3 * y->node_count; i++)
+            moved = yci_max(moved, fabs(x[i / 3][i % 3] - last[i / 3][i % 3]));
+        out.newton += stats.newton;
+    }
+    if (result == YC_OK) {
+        for (i = 0; i < 2; i++) out.scale[i] = yci_rest_scale(y, (const double(*)[3])x, i);
+        yci_rest_take(y, (const double(*)[3])x);
+        if (rest) *rest = out;
+    }
+    yc_scene_destroy(s);
+    yci_free(&c, x);
+    return yci_report(&c, result, message);
 }
 
 /* =====================================================================================================================

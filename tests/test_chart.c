@@ -790,7 +790,7 @@ TEST(chart_fuzz) {
     CHECK(read > 100 && knitted > 100 && read < 4000);
 }
 
-/* What the check of a network says of wrong contacts; a scene takes no knit. */
+/* What the check of a network says of wrong contacts, and a scene of a stack that is none. */
 TEST(knit_check_refuses) {
     yc_knit_desc d = yc_knit_desc_default();
     yc_cloth_desc cloth = yc_cloth_desc_default();
@@ -831,10 +831,11 @@ TEST(knit_check_refuses) {
 #undef WRONG
     if (CHECK_RESULT(yc_scene_create(NULL, &settings, &scene, message), YC_OK)) {
         cloth.yarns = &y;
+        for (s = y.contacts; y.visit_layer[s->visit[1][0]] != -2;) s++;
+        y.visit_layer[s->visit[1][0]] = 0; /* the new loop in the midst of its stack */
         CHECK_RESULT(yc_scene_add_cloth(scene, &cloth, NULL), YC_ERROR_ARGUMENT);
         CHECK_TEXT(yc_scene_message(scene),
-            "cloth.yarns is a knit (contact_count = 23): knits can be laid and drawn, scenes "
-            "do not move them yet");
+            "cloth.yarns.visit_layer[53] = 0: the new loop must lie on top of its stack of 3, or below all");
         yc_scene_destroy(scene);
     }
     yc_yarns_destroy(&y);

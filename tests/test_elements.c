@@ -165,6 +165,10 @@ static double elements_floor(const double *p, const double *q, double *g, double
     (void)projected;
     return yci_yarn_floor(q, p[0], p[1], g, h);
 }
+static double elements_length(const double *p, const double *q, double *g, double *h, int projected) {
+    (void)projected;
+    return yci_yarn_length(q, p[0], p[1], g, h);
+}
 static double elements_wrap(const double *p, const double *q, double *g, double *h, int projected) {
     return yci_yarn_wrap(q, p[0], p[1], g, h, projected);
 }
@@ -548,6 +552,8 @@ TEST(yarn_compression) {
     double spacing = 1e-3, radius = 2e-4, u = spacing / 1.05, k = 100.0, n[3] = {0.0, 0.0, 1.0};
     double tension = k * 0.05, pull = 4.0 * tension * radius / sqrt(spacing * spacing + 4.0 * radius * radius);
     double high[5][7], low[5][7], up[3], down[3], lambda, turn, best = 1e30, at = 0.0;
+    const double straight[3] = {0.0, 0.0, 0.0};
+    double rest[3];
     const double *highs[5], *lows[5];
     memset(high, 0, sizeof high), memset(low, 0, sizeof low);
     for (int i = 0; i < 5; i++) {
@@ -556,9 +562,9 @@ TEST(yarn_compression) {
         high[i][0] = spacing * (i - 2), high[i][5] = layer, high[i][6] = u * i;
         low[i][1] = spacing * (i - 2), low[i][5] = -layer, low[i][6] = u * i;
     }
-    yci_yarn_crossing_force(up, highs, k, 0.0, 0.0);
+    yci_yarn_crossing_force(up, highs, k, 0.0, straight);
     CHECK(fabs(up[2] + pull) < 1e-12 * pull && fabs(up[0]) + fabs(up[1]) < 1e-15);
-    yci_yarn_crossing_force(down, lows, 2.0 * k, 0.0, 0.0);
+    yci_yarn_crossing_force(down, lows, 2.0 * k, 0.0, straight);
     CHECK(fabs(down[2] - 2.0 * pull) < 1e-12 * pull);
     lambda = yci_yarn_compression(down, up, n);
     CHECK(fabs(lambda - 1.5 * pull) < 1e-12 * pull);
@@ -571,18 +577,33 @@ TEST(yarn_compression) {
     /* Bending alone presses too: the turn of the crossing itself and, as much again, both turns beside it. */
     turn = 2.0 * (2.0 * 1e-9 * 2.0 * atan2(2.0 * radius, spacing) / (2.0 * u)) * spacing /
         (spacing * spacing + 4.0 * radius * radius);
-    yci_yarn_crossing_force(up, highs, 0.0, 1e-9, 0.0);
+    yci_yarn_crossing_force(up, highs, 0.0, 1e-9, straight);
     CHECK(fabs(up[2] + 2.0 * turn) < 1e-9 * turn);
+    rest[0] = rest[1] = rest[2] =
+        2.0 * atan2(2.0 * radius, spacing); /* where they turn like that at rest it does not */
+    yci_yarn_crossing_force(up, highs, 0.0, 1e-9, rest);
+    CHECK(fabs(up[2]) < 1e-9 * turn);
     highs[0] = highs[4] = NULL;
-    yci_yarn_crossing_force(up, highs, 0.0, 1e-9, 0.0);
+    yci_yarn_crossing_force(up, highs, 0.0, 1e-9, straight);
     CHECK(fabs(up[2] + turn) < 1e-9 * turn);
     /* At a yarn's end only one segment pulls. */
     highs[3] = NULL;
-    yci_yarn_crossing_force(up, highs, k, 1e-9, 0.0);
+    yci_yarn_crossing_force(up, highs, k, 1e-9, straight);
     CHECK(fabs(up[2] + 0.5 * pull) < 1e-12 * pull && up[0] < 0.0);
     highs[1] = NULL, highs[3] = high[3];
-    yci_yarn_crossing_force(up, highs, k, 1e-9, 0.0);
+    yci_yarn_crossing_force(up, highs, k, 1e-9, straight);
     CHECK(fabs(up[2] + 0.5 * pull) < 1e-12 * pull && up[0] > 0.0);
+}
+
+TEST(yarn_length) {
+    elements_state = 1;
+    for (int trial = 0; trial < 10; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, q[2], p[2], h[4];
+        p[0] = 3.0, p[1] = size, q[0] = 0.3 * size, q[1] = q[0] + size * (0.2 + 0.3 * trial);
+        CHECK(elements_differences(elements_length, p, 2, q, size, 1e-3 * size, 1e-9));
+        elements_length(p, q, NULL, h, 1);
+        CHECK(elements_semidefinite(h, 2));
+    }
 }
 
 /* A contact along x, with tails at angles `a` and `b` to it, turned by psi about it. */

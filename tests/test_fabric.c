@@ -842,7 +842,7 @@ TEST(fabric_check_refuses) {
     SPOILED(y.yarn_count, 0, int, YC_ERROR_ARGUMENT, "yarns.yarn_count = 0 must be at least 1");
     SPOILED(y.material_count, 0, int, YC_ERROR_ARGUMENT, "yarns.material_count = 0 must be at least 1");
     SPOILED(y.visit_u, NULL, double *, YC_ERROR_ARGUMENT,
-        "yarns: only triangle, weights, visit_height and owner may be NULL");
+        "yarns: only triangle, weights, visit_height, visit_turn and owner may be NULL");
     SPOILED(y.triangle, NULL, int *, YC_ERROR_ARGUMENT, "yarns.triangle and weights must not be NULL with a mesh");
     SPOILED(y.materials[0].stretch, -1.0, double, YC_ERROR_ARGUMENT,
         "yarns.materials[0].stretch = -1 must be greater than 0");

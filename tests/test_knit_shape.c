@@ -1,0 +1,85 @@
+/* What knits do when they are left alone (after YARN, Fig. 5 and 7): stockinette curls, garter lies flat, ribs draw in.
+ * Pieces of 14 stitches, of 54 mm, so that edges are never far: larger ones have a flatter middle. */
+#include "scenes/knits.h"
+#include "test.h"
+#include <math.h>
+#include <string.h>
+
+static const double degree = 3.14159265358979323846 / 180.0;
+
+static int settled(const char *rows, int stitches, int row_count, int most, scene_knit **k, scene_knit_shape *before,
+    scene_knit_shape *after) {
+    char why[YC_MESSAGE_SIZE] = "";
+    *k = scene_knit_new(rows, stitches, row_count, NULL, why);
+    CHECK_TEXT(why, "");
+    if (!CHECK(*k != NULL)) return 0;
+    *before = scene_knit_look(*k);
+    if (!CHECK_RESULT(scene_knit_settle(*k, most), YC_OK)) return 0;
+    *after = scene_knit_look(*k);
+    return 1;
+}
+
+TEST(knit_relaxes_into_its_rest_shape) {
+    yc_knit_desc d = yc_knit_desc_default();
+    yc_yarns y;
+    yc_knit_rest rest;
+    char why[YC_MESSAGE_SIZE];
+    double largest = 0.0, sum = 0.0, length;
+    int i, k;
+    d.stitches = 8, d.rows = 8;
+    if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
+    length = y.visit_u[y.visit_count - 1];
+    CHECK_RESULT(yc_knit_relax(NULL, &y, &rest, why), YC_OK);
+    for (k = 1; k < y.visit_count; k++) {
+        const double *a = y.layout[y.visit_node[k - 1]], *b = y.layout[y.visit_node[k]];
+        CHECK_NEAR(y.visit_u[k] - y.visit_u[k - 1], hypot(b[0] - a[0], b[1] - a[1]), 1e-12);
+        largest = fmax(largest, y.visit_turn[k]), sum += y.visit_turn[k];
+    }
+    for (i = 0; i < y.node_count; i++) CHECK_NEAR(y.layout[i][2], 0.0, 0.0);
+    CHECK_NEAR(y.visit_u[y.visit_count - 1], length, 1e-3 * length); /* the yarn is as long as it was */
+    CHECK(rest.scale[0] > 0.9 && rest.scale[0] < 1.1 && rest.scale[1] > 0.9 && rest.scale[1] < 1.1);
+    CHECK(largest < 100.0 * degree && sum / y.visit_count > 20.0 * degree);
+    CHECK_RESULT(yc_knit_relax(NULL, &y, &rest, why), YC_OK); /* again, from its own rest */
+    CHECK(rest.scale[0] > 0.99 && rest.scale[0] < 1.01 && rest.scale[1] > 0.99 && rest.scale[1] < 1.01);
+    y.layout[3][2] = 1e-3;
+    CHECK_RESULT(yc_knit_relax(NULL, &y, NULL, why), YC_ERROR_ARGUMENT);
+    CHECK_TEXT(why, "yarns.layout[3][2] = 0.001: only a flat knit settles on a table");
+    y.layout[3][2] = 0.0, y.visit_turn = NULL;
+    CHECK_RESULT(yc_knit_relax(NULL, &y, NULL, why), YC_ERROR_ARGUMENT);
+    CHECK_TEXT(why, "yarns must be a knit, with visit_turn");
+    yc_yarns_destroy(&y);
+}
+
+/* Sides towards the purl side, ends towards the knit side. */
+TEST(knit_stockinette_curls) {
+    scene_knit *k;
+    scene_knit_shape before, after;
+    int i;
+    if (settled(scene_stockinette, 14, 14, 12, &k, &before, &after)) {
+        CHECK(before.flat < 2.0 * degree);
+        for (i = 0; i < 2; i++) CHECK(after.side[i] > 30.0 * degree && after.end[i] > 30.0 * degree);
+        CHECK(after.flat < 40.0 * degree);
+    }
+    scene_knit_free(k);
+}
+
+TEST(knit_garter_lies_flat) {
+    scene_knit *k;
+    scene_knit_shape before, after;
+    int i;
+    if (settled(scene_garter, 14, 14, 12, &k, &before, &after)) {
+        for (i = 0; i < 2; i++) CHECK(fabs(after.side[i]) < 15.0 * degree && fabs(after.end[i]) < 15.0 * degree);
+        CHECK(after.flat < 12.0 * degree);
+    }
+    scene_knit_free(k);
+}
+
+TEST(knit_rib_draws_in) {
+    scene_knit *k;
+    scene_knit_shape before, after;
+    if (settled(scene_rib, 14, 14, 12, &k, &before, &after)) {
+        CHECK(after.width < 0.88 * before.width && after.height > 0.9 * before.height);
+        CHECK(after.flat < 20.0 * degree);
+    }
+    scene_knit_free(k);
+}
