@@ -158,8 +158,8 @@ static double stretched(const yc_weave_desc *weave, double angle) {
     return strain;
 }
 
-/* Friction keeps what exceeds its slack, in proportion, up to its moment. The diagonal's strain is half the angle. Yarns
- * of the border weigh otherwise than those of the middle: hence the tolerance. */
+/* Friction keeps what exceeds its slack, in proportion, up to its moment. The diagonal's strain is half the angle.
+ * Yarns of the border weigh otherwise than those of the middle: hence the tolerance. */
 TEST(woven_figures_stretch) {
     static const double angle[] = {0.005, 0.014, 0.02, 0.03, 0.05}; /* rad, to a strain of 2.5 % */
     yc_weave_desc rough = shirting(-1.0), smooth = shirting(0.0);
