@@ -245,10 +245,10 @@ static double held_by(const swatch *w, int node) {
     return least;
 }
 
-/* A crossing lifted out of the plane draws both its yarns in: they slide through their neighbours, which come closer in
- * material, and with strong yarns nothing breaks. The loop's sides are no longer than sqrt(h^2 + 1) spacings, less since
- * the crossings beside it rise too. Let go, it keeps what it has drawn in: nothing pushes that back but the bending of
- * its yarns, EI / spacing^2 = 0.5 mN, less than what the four crossings on one side hold, 2.4 mN. */
+/* A crossing lifted out of the plane draws both its yarns in: they slide through their neighbours, which come closer
+ * in material, and with strong yarns nothing breaks. The loop's sides are no longer than sqrt(h^2 + 1) spacings, less
+ * since the crossings beside it rise too. Let go, it keeps what it has drawn in: nothing pushes that back but the
+ * bending of its yarns, EI / spacing^2 = 0.5 mN, less than what the four crossings on one side hold, 2.4 mN. */
 TEST(scene_topology_snag) {
     yc_yarn_material yarn = gripping(0.002);
     swatch w;
