@@ -9262,7 +9262,6 @@ static yc_result yci_knit_row(yci_knitter *k, const yc_chart *chart, int row) {
     char place[64];
     yc_result result = yci_chart_fit(k->c, chart, row, k->needle_count, &times[1], &makes);
     if (result != YC_OK) return result;
-    if (makes > YCI_KNIT_LOOPS) return YCI_FAIL(k->c, YC_ERROR_ARGUMENT, "knit: more than %d loops", YCI_KNIT_LOOPS);
     begin[0] = r->first, end[0] = begin[1] = r->repeat, end[1] = begin[2] = r->after, end[2] = r->last;
     for (part = 0; part < 3; part++) {
         int p = backward ? 2 - part : part;
@@ -9313,8 +9312,9 @@ static yc_result yci_knit_end(yci_knitter *k) {
 
 static yc_result yci_knit_work(yci_knitter *k) {
     const yc_chart *chart = k->desc->chart ? k->desc->chart : &yci_knit_plain;
-    yc_result result;
-    int i;
+    yc_result result = YC_OK;
+    double needle = k->desc->stitches, worked = needle;
+    int i, times;
     for (i = 0; i < k->desc->rows && !k->desc->round; i++) {
         int row = i % chart->row_count, below = (row + chart->row_count - 1) % chart->row_count;
         if (i && !chart->rows[row].wrong_side == !chart->rows[below].wrong_side)
@@ -9323,6 +9323,13 @@ static yc_result yci_knit_work(yci_knitter *k) {
                 row + 1);
         if (i > chart->row_count) break;
     }
+    for (i = 0; i < k->desc->rows && result == YC_OK; i++) { /* before there is anything in memory */
+        result = yci_chart_fit(k->c, chart, i % chart->row_count, (int)needle, &times, &needle);
+        worked += needle;
+        if (worked > YCI_KNIT_LOOPS)
+            return YCI_FAIL(k->c, YC_ERROR_ARGUMENT, "knit: more than %d loops", YCI_KNIT_LOOPS);
+    }
+    if (result != YC_OK) return result;
     k->dir = k->desc->round || chart->rows[0].wrong_side ? -1 : 1; /* row 1 from the right side runs to the left */
     k->last = -1;
     result = yci_knit_begin(k);

@@ -517,7 +517,7 @@ TEST(knit_refuses) {
         REFUSED((d.chart = &chart, d.stitches = 2, d.rows = 3),
             "chart line 3, row 3: m1 after 1 stitches finds no bar between two of the row below");
         REFUSED((d.chart = &chart, d.stitches = 3, d.rows = 3), "chart line 1, row 1: uses 2 of 3 stitches");
-        REFUSED((d.chart = &chart, d.stitches = 2, d.round = 1),
+        REFUSED((d.chart = &chart, d.stitches = 2, d.rows = 3, d.round = 1),
             "chart line 3, row 3: m1 after 1 stitches finds no bar between two of the row below");
         yc_chart_destroy(&chart);
     }
