@@ -6,8 +6,8 @@
  *                            #include "yarncloth.h"
  *   Everywhere else:         #include "yarncloth.h"
  *
- * DOES NOT (yet): move knits (they are laid and drawn), homogenised volumes, GPU, single precision, changing the yarn
- * region while a scene runs, contact of yarns inside one layer beyond what the weave itself gives.
+ * DOES NOT (yet): unravel knits, lay them over a mesh or mix them with triangles; homogenised volumes, GPU, single
+ * precision, changing the yarn region while a scene runs, contact of yarns in one layer beyond what the weave gives.
  *
  * HELLO. A 20 cm swatch, held at two corners, swings for a second; see examples/hello.c, which is this text:
  *
