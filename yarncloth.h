@@ -17462,7 +17462,7 @@ YC_API yc_result yc_knit_relax(const yc_host *host, yc_yarns *y, yc_knit_rest *r
     double(*x)[3] = NULL, (*last)[3], period = 0.0, moved = HUGE_VAL;
     yc_result result = yci_context_init(&c, host);
     int i;
-    memset(&out, 0, sizeof out);
+    memset(&out, 0, sizeof out), memset(&stats, 0, sizeof stats);
     if (result == YC_OK && !y) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns must not be NULL");
     if (result == YC_OK) result = yci_yarns_check(&c, y, NULL);
     if (result == YC_OK && (!y->contact_count || !y->visit_turn))

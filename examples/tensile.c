@@ -63,7 +63,7 @@ int main(int argc, char **argv) {
     char why[YC_MESSAGE_SIZE] = "";
     int name = 0, i;
 
-    while (argc > 1 && name < 5 && strcmp(argv[1], names[name])) name++;
+    while (argc > 1 && name < 5 && strcmp(argv[1], names[name]) != 0) name++;
     if (name == 5) return fputs("tensile [shirting|linen|denim|satin|typed]\n", stderr), 2;
     memset(&fabric, 0, sizeof fabric);
     if (name < 4) yc_fabric_get((yc_fabric_name)(YC_FABRIC_SHIRTING + name), &fabric), weave = fabric.weave;

@@ -224,7 +224,7 @@ static void report_drape(const yc_fabric *f) {
     double share = 1.0, last = 0.0;
     scene_drape drape;
     int pass, bundle;
-    for (pass = 0; pass < 2 - quick; pass++) {
+    for (pass = 0; pass < (quick ? 1 : 2); pass++) {
         take_picture(f, "drape");
         yc_result result = drape_of(&f->weave, width[pass], &bundle, &drape, message);
         snprintf(what, sizeof what, "drape, %d as one", bundle);
