@@ -7652,12 +7652,15 @@ YC_API yc_result yc_yarns_check(const yc_yarns *yarns, const yc_mesh *mesh, char
     return yci_report(&c, result, message);
 }
 
-YC_API void yc_yarns_destroy(yc_yarns *yarns) {
+/* Frees a block that begins with a copy of the context it came from. */
+static void yci_owned_free(void *owner) {
     yci_context c;
-    if (!yarns || !yarns->owner) return;
-    memcpy(&c, yarns->owner, sizeof c);
-    yci_free(&c, yarns->owner);
-    memset(yarns, 0, sizeof *yarns);
+    memcpy(&c, owner, sizeof c);
+    yci_free(&c, owner);
+}
+
+YC_API void yc_yarns_destroy(yc_yarns *yarns) {
+    if (yarns && yarns->owner) yci_owned_free(yarns->owner), memset(yarns, 0, sizeof *yarns);
 }
 
 /* ---- drafts ------------------------------------------------------------------------------------------------------ */
@@ -7894,11 +7897,7 @@ YC_API yc_result yc_draft_loom(const yc_host *host, const yc_loom *loom, yc_draf
 }
 
 YC_API void yc_draft_destroy(yc_draft *draft) {
-    yci_context c;
-    if (!draft || !draft->owner) return;
-    memcpy(&c, draft->owner, sizeof c);
-    yci_free(&c, draft->owner);
-    memset(draft, 0, sizeof *draft);
+    if (draft && draft->owner) yci_owned_free(draft->owner), memset(draft, 0, sizeof *draft);
 }
 
 YC_API void yc_draft_use(const yc_draft *draft, yc_weave_desc *desc) {
@@ -9023,11 +9022,7 @@ YC_API yc_result yc_chart_read(
 }
 
 YC_API void yc_chart_destroy(yc_chart *chart) {
-    yci_context c;
-    if (!chart || !chart->owner) return;
-    memcpy(&c, chart->owner, sizeof c);
-    yci_free(&c, chart->owner);
-    memset(chart, 0, sizeof *chart);
+    if (chart && chart->owner) yci_owned_free(chart->owner), memset(chart, 0, sizeof *chart);
 }
 
 /* ---- knits ------------------------------------------------------------------------------------------------------- */

@@ -180,6 +180,12 @@ yc_host test_host_failing(int n) {
 
 void test_heap_grant(int n) { granted = n; }
 
+int test_refused_memory(yc_result result, const char *message) {
+    int held = CHECK_RESULT(result, YC_ERROR_MEMORY);
+    held &= CHECK(!strncmp(message, "out of memory for ", 18));
+    return held & CHECK(test_heap.live == 0);
+}
+
 yc_host test_host_counting(void) { return test_host_failing(-1); }
 
 yc_host test_host_threads(int workers) {

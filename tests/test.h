@@ -50,6 +50,9 @@ yc_host test_host_failing(int n);
 /* From now on grants n allocations, all when n is negative, and goes on counting. */
 void test_heap_grant(int n);
 
+/* Checks what a call has made of a refused allocation: it says so, and holds nothing. */
+int test_refused_memory(yc_result result, const char *message);
+
 /* Runs parallel_for on that many threads, at most TEST_WORKERS; 0 runs it inline from the last index to the first, as
  * all of them do where there are no threads. */
 #define TEST_WORKERS 32
