@@ -18,8 +18,8 @@
  *   shear      between 0.5 and 2.5 degrees, and the loop's width at 0.5 degrees (2HG), of a loop to 8 degrees under a
  *              tension of 9.8 N/m, mean of both directions
  *   bending    by the cantilever, at an overhang of two bending lengths
- *   drape      of a disc of 30 cm on a support of 18 cm, of yarns in bundles and without crimp. In range
- *              with two sizes of bundles
+ *   drape      of a disc of 30 cm on a support of 18 cm, of yarns in bundles and without crimp. In range with
+ *              two sizes of bundles, and alike within 3 points
  * What stays outside: the extension of denim's wefts and of satin, since a cloth cannot give much more than the crimp
  * of its yarns, 3.5, 3 and 2 %, of which a part remains at the range's tension; and the drape of denim and satin, whose
  * bending and shear are in range.
