@@ -556,7 +556,7 @@ YC_API yc_result yc_draft_loom(const yc_host *host, const yc_loom *loom, yc_draf
  * Read are WEAVING (Shafts, Treadles, Rising Shed, which is true unless said otherwise), WARP and WEFT (Threads, Color,
  * Units, Spacing, Thickness), COLOR PALETTE (Entries, Form, Range), COLOR TABLE, THREADING, TIEUP, TREADLING, LIFTPLAN,
  * and COLORS, SPACING, THICKNESS of WARP and WEFT. A thread may be on several shafts, a pick on several treadles; 0 or
- * nothing is none. A LIFTPLAN with lines is used instead of TIEUP and TREADLING. Names are compared without case; a
+ * nothing is none, and so is a thread left out, but for the last one: without that a file counts as cut off. A LIFTPLAN with lines is used instead of TIEUP and TREADLING. Names are compared without case; a
  * semicolon begins a comment; other sections and keys are passed over; of lines with the same key the last one counts.
  * Thread 1 of the file is column or row 0, colour 1 is colour 0. An order of one entry is the family's only colour.
  * Spacing and thickness are 0 without Units. Other shared arguments as above.
@@ -8022,6 +8022,7 @@ typedef struct {
     /* what the second one fills */
     yci_loom loom;
     unsigned char *tieup, *treadling;
+    int last[2];      /* warp of the threading, weft of the treadling or liftplan that a line has; from 1 */
     double sum[2][2]; /* of the lengths of single threads, `given` of them */
     int given[2][2];
 } yci_wif;
@@ -8223,17 +8224,19 @@ static yc_result yci_wif_check(yci_wif *w) {
     return YC_OK;
 }
 
-/* A line `row = columns` as a row of a matrix; rows and columns count from 1. `across`: the row is a column of it. */
-static void yci_wif_read_row(yci_wif *w, unsigned char *matrix, const char *row_name, int rows, const char *column_name,
-    int columns, int across) {
+/* A line `row = columns` as a row of a matrix; rows and columns count from 1. `across`: the row is a column of it.
+ * The highest row so far; 0: refused. */
+static int yci_wif_read_row(yci_wif *w, int last, unsigned char *matrix, const char *row_name, int rows,
+    const char *column_name, int columns, int across) {
     yci_wif_text list = w->value;
     size_t row_step = across ? 1 : (size_t)columns, column_step = across ? (size_t)rows : 1;
     int row, column;
-    if (!yci_wif_key(w, row_name, rows, &row)) return;
+    if (!yci_wif_key(w, row_name, rows, &row)) return 0;
     matrix += (size_t)(row - 1) * row_step;
     for (column = 0; column < columns; column++) matrix[(size_t)column * column_step] = 0;
     while (yci_wif_whole(w, &list, column_name, 0, columns, &column))
         if (column) matrix[(size_t)(column - 1) * column_step] = 1;
+    return row > last ? row : last;
 }
 
 static void yci_wif_read_colour(yci_wif *w, yc_draft *draft) {
@@ -8270,18 +8273,33 @@ static void yci_wif_read_lists(yci_wif *w, yc_draft *draft) {
     while (w->result == YC_OK && yci_wif_next(w)) {
         section = w->section;
         if (section == YCI_WIF_THREADING)
-            yci_wif_read_row(w, w->loom.thread, "a warp", w->count[0], "a shaft", w->shafts, 1);
+            w->last[0] =
+                yci_wif_read_row(w, w->last[0], w->loom.thread, "a warp", w->count[0], "a shaft", w->shafts, 1);
         else if (section == YCI_WIF_LIFTPLAN)
-            yci_wif_read_row(w, w->treadling, "a weft", w->count[1], "a shaft", w->shafts, 0);
+            w->last[1] = yci_wif_read_row(w, w->last[1], w->treadling, "a weft", w->count[1], "a shaft", w->shafts, 0);
         else if (section == YCI_WIF_TREADLING && !liftplan)
-            yci_wif_read_row(w, w->treadling, "a weft", w->count[1], "a treadle", w->treadles, 0);
+            w->last[1] =
+                yci_wif_read_row(w, w->last[1], w->treadling, "a weft", w->count[1], "a treadle", w->treadles, 0);
         else if (section == YCI_WIF_TIEUP && !liftplan)
-            yci_wif_read_row(w, w->tieup, "a treadle", w->treadles, "a shaft", w->shafts, 0);
+            yci_wif_read_row(w, 0, w->tieup, "a treadle", w->treadles, "a shaft", w->shafts, 0);
         else if (section == YCI_WIF_TABLE && draft->colours) yci_wif_read_colour(w, draft);
         else if (section >= YCI_WIF_WARP_COLOURS && section < YCI_WIF_COUNT)
             yci_wif_read_thread(
                 w, draft, (section - YCI_WIF_WARP_COLOURS) % 2, (section - YCI_WIF_WARP_COLOURS) / 2 - 1);
     }
+}
+
+/* Threads that lift nothing may be left out, but not the last: then the file has most likely been cut off. */
+static yc_result yci_wif_whole_lists(yci_wif *w) {
+    int f;
+    for (f = 0; f < 2; f++)
+        if (w->last[f] < w->count[f])
+            return YCI_FAIL(w->c, YC_ERROR_PARSE, "wif: [%s] ends with %s %d of %d; 0 would say that it lifts nothing",
+                f == 0                               ? "THREADING"
+                    : w->lines[YCI_WIF_LIFTPLAN] > 0 ? "LIFTPLAN"
+                                                     : "TREADLING",
+                f ? "weft" : "warp", w->last[f], w->count[f]);
+    return YC_OK;
 }
 
 /* The counts of the draft's arrays, and room for them. */
@@ -8349,7 +8367,8 @@ static yc_result yci_wif_run(yci_wif *w, const char *text, size_t length, yc_dra
             int counted = w->given[f][k] + (others > 0 ? others : 0);
             (k ? draft->thickness : draft->spacing)[f] = counted ? sum / counted * w->unit[f] : 0.0;
         }
-    result = w->result == YC_OK ? yci_wif_colours(w, draft) : w->result;
+    result = w->result == YC_OK ? yci_wif_whole_lists(w) : w->result;
+    if (result == YC_OK) result = yci_wif_colours(w, draft);
     return result == YC_OK ? yci_draft_shed(w->c, &w->loom, draft) : result;
 }
 

@@ -368,9 +368,9 @@ TEST(draft_wif_variants) {
         CHECK(draft.colour_count == 3);
         yc_draft_destroy(&draft);
     }
-    /* cut off within its last picks, which then lift nothing */
+    /* picks that lift nothing: one left out, one that says so */
     if (CHECK_RESULT(
-            yc_draft_wif(NULL, edited(treadled, "", ""), strlen(head) + strlen(treadled) - 9, &draft, NULL), YC_OK)) {
+            read_wif(edited(treadled, "7=3\n8=4\n", "8=0\n"), "[THREADING]\n7=3\n8=4\n", &draft, NULL), YC_OK)) {
         CHECK(draft.over[5 * 8 + 1] && !draft.over[6 * 8 + 2] && !draft.over[7 * 8 + 3]);
         yc_draft_destroy(&draft);
     }
@@ -418,6 +418,13 @@ TEST(draft_wif_refuses) {
     memset(&draft, 7, sizeof draft);
     for (i = 0; i < (int)(sizeof edits / sizeof edits[0]); i++)
         REFUSED(read_wif(edited(treadled, edits[i][0], edits[i][1]), "", &draft, message), YC_ERROR_PARSE, edits[i][2]);
+    /* cut off */
+    REFUSED(yc_draft_wif(NULL, edited(treadled, "", ""), strlen(head) + strlen(treadled) - 9, &draft, message),
+        YC_ERROR_PARSE, "wif: [TREADLING] ends with weft 6 of 8; 0 would say that it lifts nothing");
+    REFUSED(read_wif(edited(lifted, "8=1,4\n", ""), "", &draft, message), YC_ERROR_PARSE,
+        "wif: [LIFTPLAN] ends with weft 7 of 8; 0 would say that it lifts nothing");
+    REFUSED(read_wif(edited(lifted, "7=3\n8=4\n", ""), "", &draft, message), YC_ERROR_PARSE,
+        "wif: [THREADING] ends with warp 6 of 8; 0 would say that it lifts nothing");
     REFUSED(read_wif("", "", &draft, message), YC_ERROR_PARSE, "wif: Shafts is missing in [WEAVING]");
     REFUSED(yc_draft_wif(NULL, NULL, 0, &draft, message), YC_ERROR_ARGUMENT, "text must not be NULL");
     REFUSED(yc_draft_wif(NULL, "", 0, NULL, message), YC_ERROR_ARGUMENT, "out must not be NULL");
