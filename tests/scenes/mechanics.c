@@ -291,7 +291,7 @@ enum { DISC = 240 }; /* corners of its outline */
 scene_drape_desc scene_drape_desc_default(const yc_weave_desc *weave) {
     scene_drape_desc d;
     d.weave = *weave;
-    d.radius = 0.15, d.support = 0.09, d.dt = 0.01, d.duration = 1.5, d.show = NULL;
+    d.radius = 0.15, d.support = 0.09, d.dt = 0.01, d.duration = 1.5, d.start = 0, d.show = NULL;
     return d;
 }
 
@@ -364,7 +364,7 @@ yc_result scene_drape_run(const scene_drape_desc *d, scene_drape *out, char *mes
             continue;
         }
         /* A breath of all numbers of folds; the cloth picks its own. */
-        for (k = 2; k <= 9; k++) push[2] += 3e-3 * cos(k * way + 1.7 * k * k);
+        for (k = 2; k <= 9; k++) push[2] += 3e-3 * cos(k * way + (1.7 + 0.4 * d->start) * k * k);
         result = yc_scene_set_velocity(s->scene, 0, YC_NODE, i, push);
     }
     for (k = 0; k < steps && result == YC_OK; k++) {

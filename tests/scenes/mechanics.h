@@ -118,6 +118,7 @@ typedef struct scene_drape_desc {
     yc_weave_desc weave;
     double radius, support; /* m */
     double dt, duration;    /* s, of a damped motion from flat to rest */
+    int start;              /* 0, 1, ...: other first pushes, from which other folds form */
     scene_show show;        /* NULL: none */
 } scene_drape_desc;
 scene_drape_desc scene_drape_desc_default(const yc_weave_desc *weave); /* 30 cm on 18 cm */
@@ -128,7 +129,8 @@ typedef struct scene_drape {
     int crossings, folds;
 } scene_drape;
 
-/* The disc is held flat over the support, as if between two plates, and the ring around it falls. */
+/* The disc is held flat over the support, as if between two plates, and the ring around it falls. Folds vary from start
+ * to start, as they do from hanging to hanging in the laboratory (Kenkare et al. 2008), where the mean counts. */
 yc_result scene_drape_run(const scene_drape_desc *desc, scene_drape *out, char *message);
 
 #endif
