@@ -15413,27 +15413,42 @@ static int yci_count(const yci_model *m, int kind) {
 
 /* ---- assembly ---- */
 
-/* Adds to the matrix's block of the element's nodes `a` and `b`: the 3x3 of their positions, and the rows and columns
- * of further unknowns, which stand behind those of the positions. */
-static void yci_local_block(const yci_local *e, int a, int b, double *block, int stride) {
-    int i, j, r, points = e->points;
-    for (r = 0; r < 3 && points; r++)
-        for (j = 0; j < 3; j++) block[stride * r + j] += e->h[(3 * a + r) * e->dofs + 3 * b + j];
-    for (i = points; i < e->dofs; i++) {
-        if (e->comp[i] < 0) continue;
-        for (r = 0; r < 3 && points; r++) {
-            if (e->slot[i] == b) block[stride * r + e->comp[i]] += e->h[(3 * a + r) * e->dofs + i];
-            if (e->slot[i] == a) block[stride * e->comp[i] + r] += e->h[i * e->dofs + 3 * b + r];
+/* Adds the Hessian of an element to the matrix: the 3x3 blocks of its positions, then the rows and columns of further
+ * unknowns, which stand behind those of the positions. `node` are the system's. */
+static void yci_local_blocks(yci_bsr *a, const yci_local *e, const int *node) {
+    const int n = e->dofs, points = e->points;
+    double *block[4][4];
+    int i, j, r, c;
+    for (i = 0; i < e->nodes; i++)
+        for (j = 0; j < e->nodes; j++) {
+            const double *h = e->h + 3 * (n * i + j);
+            double *out;
+            int stride = node[j] >= 0 ? a->dim[node[j]] : 0;
+            if (node[i] < 0 || node[j] < 0) continue;
+            out = block[i][j] = a->val + a->at[yci_bsr_find(a, node[i], node[j])];
+            for (r = 0; r < 3 && points; r++, out += stride, h += n) out[0] += h[0], out[1] += h[1], out[2] += h[2];
         }
-        for (j = points; j < e->dofs && e->slot[i] == a; j++)
-            if (e->slot[j] == b && e->comp[j] >= 0) block[stride * e->comp[i] + e->comp[j]] += e->h[i * e->dofs + j];
+    for (i = points; i < n; i++) {
+        int own = e->slot[i], at = e->comp[i];
+        const double *h = e->h + n * i;
+        if (at < 0 || node[own] < 0) continue;
+        for (j = 0; 3 * j < points; j++) {
+            double *row, *column;
+            int stride = a->dim[node[own]];
+            if (node[j] < 0) continue;
+            row = block[own][j] + at * a->dim[node[j]], column = block[j][own] + at;
+            for (c = 0; c < 3; c++) row[c] += h[3 * j + c], column[c * stride] += e->h[(3 * j + c) * n + i];
+        }
+        for (j = points; j < n; j++)
+            if (e->comp[j] >= 0 && node[e->slot[j]] >= 0)
+                block[own][e->slot[j]][at * a->dim[node[e->slot[j]]] + e->comp[j]] += h[j];
     }
 }
 
 /* Adds an element's gradient and Hessian to the system; at a pinned node the gradient goes to its reaction. */
 static void yci_local_scatter(yci_model *m, const yci_local *e, int mode) {
     yci_bsr *a = &m->system.a;
-    int i, j, node[4];
+    int i, node[4];
     for (i = 0; i < e->nodes; i++) node[i] = m->system_node[e->node[i]];
     for (i = 0; i < e->dofs; i++) {
         int row = node[e->slot[i]];
@@ -15441,10 +15456,7 @@ static void yci_local_scatter(yci_model *m, const yci_local *e, int mode) {
         if (row >= 0) m->gradient[a->off[row] + e->comp[i]] += e->g[i];
         else if (row <= -2) m->reaction[3 * (-2 - row) + e->comp[i]] += e->g[i];
     }
-    for (i = 0; i < e->nodes && mode == YCI_HESSIAN; i++)
-        for (j = 0; j < e->nodes && node[i] >= 0; j++)
-            if (node[j] >= 0)
-                yci_local_block(e, i, j, a->val + a->at[yci_bsr_find(a, node[i], node[j])], a->dim[node[j]]);
+    if (mode == YCI_HESSIAN) yci_local_blocks(a, e, node);
 }
 
 typedef struct yci_chunk {
