@@ -12794,7 +12794,7 @@ typedef struct yci_system_input {
     const unsigned char *is_yarn, *is_hybrid; /* [n] */
     const int (*triangle)[3];                 /* [n], for yarn nodes the vertices that carry them, or -1 first */
     const double (*beta)[3];                  /* [n] */
-    const int *order;                         /* yarn nodes in the order of their yarns */
+    const int *order;                         /* yarn nodes, as the incomplete factor has them */
     int order_count;
     yc_solver solver;
 } yci_system_input;
@@ -13190,6 +13190,8 @@ typedef struct yci_model {
     int *holder;         /* [vertices], that yarn node; -1: none */
     int *system_node;    /* [nodes], node of the linear system; -1: none; -2 - k: pinned, number k */
     int *node_of;        /* [system nodes] */
+    int *walk;           /* [nodes], vertices, then yarn nodes along their yarns, wefts first: what elements, the system
+                            and its incomplete factor are ordered by, so that they lie close in memory */
     int *visit_slot;     /* [visits], the component of u in its node's block; -1: held */
     /* Crimp; NULL where the scene has none. */
     int *height_slot;         /* [visits], the component of z in its node's block; -1: held; NULL without crimp */
@@ -13409,7 +13411,7 @@ static void yci_model_destroy(yc_scene *s) {
     if (!m) return;
     if (m->has_system) yci_system_destroy(&m->system);
     yci_free(c, m->role), yci_free(c, m->share), yci_free(c, m->held), yci_free(c, m->holder),
-        yci_free(c, m->system_node), yci_free(c, m->node_of);
+        yci_free(c, m->system_node), yci_free(c, m->node_of), yci_free(c, m->walk);
     yci_free(c, m->visit_slot), yci_free(c, m->mass), yci_free(c, m->mass_fixed);
     yci_free(c, m->undulates), yci_free(c, m->height_slot), yci_free(c, m->lift), yci_free(c, m->thrust);
     yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear), yci_free(c, m->turn),
@@ -14193,43 +14195,43 @@ static void yci_build_tail(const yci_build *b, int yarn, int lone, int slider, y
     if (end || (yci_build_full(b, lone - 1) && yci_build_full(b, lone + 1))) e->drop = b->cloth->visit + goes;
 }
 
-static int yci_build_yarn(const yci_build *b, int yarn, const yci_crossing *crossing) {
+/* The elements that begin at visit `a` of a yarn. */
+static int yci_build_visit(const yci_build *b, int yarn, int a, const yci_crossing *crossing) {
     const yc_yarns *y = b->yarns;
     const yc_yarn_material *material = yci_yarn_of(b, yarn);
-    int first = y->yarn_first[yarn], last = y->yarn_first[yarn + 1] - 1, a;
-    for (a = first; a < last; a++) {
-        const yci_crossing *here = crossing + y->visit_node[a], *next = crossing + y->visit_node[a + 1];
-        int active = yci_build_active(b, a) && yci_build_active(b, a + 1), base = b->cloth->visit + a;
-        double alpha, touching;
-        if (!yci_build_segment(b, yarn, a)) return 0;
-        if (active && a + 2 <= last && yci_build_active(b, a + 2)) {
-            alpha = yci_raise((yci_build_share(b, a) + yci_build_share(b, a + 1) + yci_build_share(b, a + 2)) / 3.0);
-            if (material->bending > 0.0) {
-                yci_bend *e = YCI_PUSH(b, bend);
-                if (!e) return 0;
-                e->a = base, e->b = base + 1, e->c = base + 2;
-                e->stiffness = alpha * material->bending, e->previous = 0.0;
-                e->rest = y->visit_turn ? y->visit_turn[a + 1] : 0.0;
-                e->jam = y->contact_count ? YCI_TURN_WIDTH : 0.0;
-            }
-            if (y->visit_height && !yci_build_kink(b, yarn, a + 1, alpha)) return 0;
-        }
-        if (active && (b->m->visit_slot[base] >= 0 || b->m->visit_slot[base + 1] >= 0)) {
-            yci_adjacent *e = YCI_PUSH(b, adjacent);
-            double rest = yci_build_laid(b, yarn, a);
-            /* else the segment runs to an end, with nothing to touch; of a knit it may be a stitch contact's */
-            int parallel = here->count == 2 && next->count == 2 && !y->contact_count;
+    const yci_crossing *here = crossing + y->visit_node[a], *next = here;
+    int last = y->yarn_first[yarn + 1] - 1, base = b->cloth->visit + a, active;
+    double alpha, touching;
+    if (a == last) return 1;
+    next = crossing + y->visit_node[a + 1], active = yci_build_active(b, a) && yci_build_active(b, a + 1);
+    if (!yci_build_segment(b, yarn, a)) return 0;
+    if (active && a + 2 <= last && yci_build_active(b, a + 2)) {
+        alpha = yci_raise((yci_build_share(b, a) + yci_build_share(b, a + 1) + yci_build_share(b, a + 2)) / 3.0);
+        if (material->bending > 0.0) {
+            yci_bend *e = YCI_PUSH(b, bend);
             if (!e) return 0;
-            touching = parallel ? yci_yarn_of(b, here->yarn[here->yarn[0] == yarn])->radius +
-                    yci_yarn_of(b, next->yarn[next->yarn[0] == yarn])->radius
-                                : 0.0;
-            alpha = yci_raise(0.5 * (yci_build_share(b, a) + yci_build_share(b, a + 1)));
-            e->a = base, e->b = base + 1, e->stiffness = parallel ? alpha * material->contact : 0.0;
-            e->distance = yci_min(touching, 0.9 * rest);
-            e->hardness = alpha * YCI_HARDNESS * material->stretch, e->floor = 0.2 * rest, e->drop = -1, e->limit = 0.0;
-            if (here->count == 1) yci_build_tail(b, yarn, a, a + 1, e);
-            if (next->count == 1) yci_build_tail(b, yarn, a + 1, a, e);
+            e->a = base, e->b = base + 1, e->c = base + 2;
+            e->stiffness = alpha * material->bending, e->previous = 0.0;
+            e->rest = y->visit_turn ? y->visit_turn[a + 1] : 0.0;
+            e->jam = y->contact_count ? YCI_TURN_WIDTH : 0.0;
         }
+        if (y->visit_height && !yci_build_kink(b, yarn, a + 1, alpha)) return 0;
+    }
+    if (active && (b->m->visit_slot[base] >= 0 || b->m->visit_slot[base + 1] >= 0)) {
+        yci_adjacent *e = YCI_PUSH(b, adjacent);
+        double rest = yci_build_laid(b, yarn, a);
+        /* else the segment runs to an end, with nothing to touch; of a knit it may be a stitch contact's */
+        int parallel = here->count == 2 && next->count == 2 && !y->contact_count;
+        if (!e) return 0;
+        touching = parallel ? yci_yarn_of(b, here->yarn[here->yarn[0] == yarn])->radius +
+                yci_yarn_of(b, next->yarn[next->yarn[0] == yarn])->radius
+                            : 0.0;
+        alpha = yci_raise(0.5 * (yci_build_share(b, a) + yci_build_share(b, a + 1)));
+        e->a = base, e->b = base + 1, e->stiffness = parallel ? alpha * material->contact : 0.0;
+        e->distance = yci_min(touching, 0.9 * rest);
+        e->hardness = alpha * YCI_HARDNESS * material->stretch, e->floor = 0.2 * rest, e->drop = -1, e->limit = 0.0;
+        if (here->count == 1) yci_build_tail(b, yarn, a, a + 1, e);
+        if (next->count == 1) yci_build_tail(b, yarn, a + 1, a, e);
     }
     return 1;
 }
@@ -14545,18 +14547,44 @@ static void yci_crossing_fill(yci_crossing *crossing, const yc_yarns *y, const i
             }
 }
 
+/* The order of nodes. One without a visit stands behind the others of its cloth. */
+static void yci_build_walk(const yc_scene *s, yci_model *m) {
+    int i, k, n = 0, yarn, pass, *taken = m->system_node; /* not yet in use */
+    memset(taken, 0, (size_t)s->nodes * sizeof *taken);
+    for (i = 0; i < s->vertices; i++) m->walk[n++] = i;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
+        int first = s->cloth[i].node;
+        for (pass = 0; pass < 2 && y; pass++)
+            for (yarn = 0; yarn < y->yarn_count; yarn++)
+                for (k = y->yarn_first[yarn]; k < y->yarn_first[yarn + 1]; k++) {
+                    int node = first + y->visit_node[k];
+                    if (taken[node] || (!pass && y->yarn_family[yarn] != YC_WEFT)) continue;
+                    taken[node] = 1, m->walk[n++] = node;
+                }
+        for (k = 0; y && k < y->node_count; k++)
+            if (!taken[first + k]) m->walk[n++] = first + k;
+    }
+}
+
 static int yci_build_yarns(yci_build *b) {
     yci_context *c = &b->s->c;
     const yc_yarns *y = b->yarns;
     yci_crossing *crossing = YCI_NEW(c, yci_crossing, y->node_count);
-    int yarn, node, woven = y->contact_count == 0, *room = YCI_NEW(c, int, 2 * (size_t)y->visit_count);
+    const int *walk = b->m->walk + b->cloth->node;
+    int i, k, woven = y->contact_count == 0, *room = YCI_NEW(c, int, 2 * (size_t)y->visit_count);
     int ok = crossing && room;
     if (ok) yci_crossing_fill(crossing, y, y->visit_node, 0, room), yci_build_slots(b, crossing);
     if (ok && b->m->height_slot) ok = yci_build_heights(b, crossing);
-    for (yarn = 0; ok && yarn < y->yarn_count; yarn++) ok = yci_build_yarn(b, yarn, crossing);
+    for (i = 0; i < y->node_count; i++) {
+        const yci_crossing *here = crossing + walk[i] - b->cloth->node;
+        for (k = 0; ok && k < here->count; k++) ok = yci_build_visit(b, here->yarn[k], here->visit[k], crossing);
+    }
     if (ok && !woven) ok = yci_build_knit(b, crossing);
-    for (node = 0; ok && woven && node < y->node_count; node++) ok = yci_build_slides(b, crossing + node, node);
-    for (node = 0; ok && woven && node < y->node_count; node++) ok = yci_build_shear(b, crossing, node);
+    for (i = 0; ok && woven && i < y->node_count; i++) {
+        int node = walk[i] - b->cloth->node;
+        ok = yci_build_slides(b, crossing + node, node) && yci_build_shear(b, crossing, node);
+    }
     yci_free(c, crossing), yci_free(c, room);
     return ok;
 }
@@ -14762,11 +14790,11 @@ static int yci_build_probes(yci_build *b) {
 
 /* ---- model: unknowns and the linear system ---- */
 
-/* Numbers the nodes that have unknowns: vertices first, yarn nodes behind, in the order of the scene. */
+/* Numbers the nodes that have unknowns. */
 static void yci_build_unknowns(yc_scene *s, yci_model *m, int *dim, int *count) {
-    int i, n = 0;
-    for (i = 0; i < s->nodes; i++) {
-        int active = m->role[i] != YCI_IDLE;
+    int i, k, n = 0;
+    for (k = 0; k < s->nodes; k++) {
+        int active = m->role[i = m->walk[k]] != YCI_IDLE;
         m->system_node[i] = !active ? -1 : m->held[i] ? -2 - m->pinned++ : n;
         if (active && !m->held[i]) m->node_of[n] = i, dim[n++] = 3;
     }
@@ -14823,24 +14851,6 @@ static size_t yci_build_couplings(const yc_scene *s, const yci_model *m, int (*p
     return at;
 }
 
-/* The yarn nodes of the system in the order of their weft yarns, then what is left: the order of the incomplete factor.
- */
-static int yci_build_order(const yc_scene *s, const yci_model *m, int *order, unsigned char *taken) {
-    int i, yarn, visit, pass, count = 0;
-    for (pass = 0; pass < 2; pass++)
-        for (i = 0; i < s->cloth_count; i++) {
-            const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
-            for (yarn = 0; y && yarn < y->yarn_count; yarn++) {
-                if (!pass && y->yarn_family[yarn] != YC_WEFT) continue;
-                for (visit = y->yarn_first[yarn]; visit < y->yarn_first[yarn + 1]; visit++) {
-                    int node = m->system_node[s->cloth[i].node + y->visit_node[visit]];
-                    if (node >= 0 && !taken[node]) taken[node] = 1, order[count++] = node;
-                }
-            }
-        }
-    return count;
-}
-
 /* A direct solve of many yarn nodes costs more than the two levels, in time and in memory. */
 static yc_solver yci_build_solver(const yc_scene *s, const yci_model *m) {
     if (s->desc.solver != YC_SOLVER_AUTO) return s->desc.solver;
@@ -14889,7 +14899,7 @@ static void yci_net_place(const yci_net *net, const double *point, int first, in
 typedef struct yci_system_scratch {
     int *dim, *vertex_node, *order, *triangle;
     double *beta;
-    unsigned char *state, *is_yarn, *is_hybrid, *taken;
+    unsigned char *state, *is_yarn, *is_hybrid;
     int (*pairs)[2];
 } yci_system_scratch;
 
@@ -14917,7 +14927,8 @@ static void yci_build_input(yc_scene *s, yci_model *m, yci_system_scratch *w, yc
         }
     }
     for (i = s->vertices; i < vertices; i++) w->vertex_node[i] = -1;
-    in->order_count = yci_build_order(s, m, w->order, w->taken);
+    for (i = 0; i < n; i++)
+        if (w->is_yarn[i]) w->order[in->order_count++] = i;
     in->dim = w->dim, in->pair = (const int(*)[2])w->pairs, in->vertex_count = vertices,
     in->vertex_node = w->vertex_node;
     in->vertex_state = w->state, in->is_yarn = w->is_yarn, in->is_hybrid = w->is_hybrid;
@@ -14949,9 +14960,8 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
         w.pairs = (int(*)[2])yci_alloc(c, in.pair_count, sizeof *w.pairs);
         w.triangle = YCI_NEW(c, int, 3 * (size_t)in.n), w.beta = YCI_NEW(c, double, 3 * (size_t)in.n),
         w.order = YCI_NEW(c, int, in.n);
-        w.is_yarn = YCI_NEW(c, unsigned char, in.n), w.is_hybrid = YCI_NEW(c, unsigned char, in.n),
-        w.taken = YCI_NEW(c, unsigned char, in.n);
-        if (w.pairs && w.triangle && w.beta && w.order && w.is_yarn && w.is_hybrid && w.taken) {
+        w.is_yarn = YCI_NEW(c, unsigned char, in.n), w.is_hybrid = YCI_NEW(c, unsigned char, in.n);
+        if (w.pairs && w.triangle && w.beta && w.order && w.is_yarn && w.is_hybrid) {
             yci_build_couplings(s, m, w.pairs);
             yci_build_input(s, m, &w, &in);
             if (in.solver == YC_SOLVER_DIRECT && m->hybrid)
@@ -14962,7 +14972,7 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
         }
     }
     yci_free(c, w.dim), yci_free(c, w.vertex_node), yci_free(c, w.state), yci_free(c, w.pairs), yci_free(c, w.triangle);
-    yci_free(c, w.beta), yci_free(c, w.order), yci_free(c, w.is_yarn), yci_free(c, w.is_hybrid), yci_free(c, w.taken);
+    yci_free(c, w.beta), yci_free(c, w.order), yci_free(c, w.is_yarn), yci_free(c, w.is_hybrid);
     if (result == YC_ERROR_MEMORY) return yci_out_of_memory(c, "the linear system");
     if (result != YC_OK) return result;
     m->has_system = 1, m->hybrid_vertices = m->hybrid ? m->system.mixed.t_count : 0;
@@ -15032,17 +15042,17 @@ static yc_result yci_scene_build(yc_scene *s) {
     m->held = YCI_NEW(c, unsigned char, s->nodes), m->holder = YCI_NEW(c, int, s->vertices);
     m->role = YCI_NEW(c, unsigned char, s->nodes), m->share = YCI_NEW(c, double, s->nodes),
     m->system_node = YCI_NEW(c, int, s->nodes);
-    m->node_of = YCI_NEW(c, int, s->nodes), m->visit_slot = YCI_NEW(c, int, s->visits),
-    m->mass = YCI_NEW(c, double, s->nodes);
+    m->walk = YCI_NEW(c, int, s->nodes), m->node_of = YCI_NEW(c, int, s->nodes),
+    m->visit_slot = YCI_NEW(c, int, s->visits), m->mass = YCI_NEW(c, double, s->nodes);
     m->mass_fixed = YCI_NEW(c, double, s->nodes), m->local = YCI_NEW(c, yci_local, YCI_CHUNK);
-    ok = m->held && m->holder && m->role && m->share && m->system_node && m->node_of && m->visit_slot && m->mass &&
-        m->mass_fixed && m->local;
+    ok = m->held && m->holder && m->role && m->share && m->system_node && m->walk && m->node_of && m->visit_slot &&
+        m->mass && m->mass_fixed && m->local;
     if (ok && s->crimped) {
         m->undulates = YCI_NEW(c, unsigned char, s->visits), m->lift = YCI_NEW(c, double, s->visits);
         m->thrust = YCI_NEW(c, double, s->visits), m->height_slot = YCI_NEW(c, int, s->visits);
         ok = m->undulates && m->lift && m->thrust && m->height_slot;
     }
-    if (ok) yci_build_roles(s, m), yci_build_drop_loners(s, m), yci_build_holders(s, m);
+    if (ok) yci_build_walk(s, m), yci_build_roles(s, m), yci_build_drop_loners(s, m), yci_build_holders(s, m);
     for (i = 0; ok && i < s->cloth_count; i++) {
         b.cloth = s->cloth + i, b.yarns = yci_cloth_yarns(b.cloth);
         ok = !b.yarns || yci_build_yarns(&b);
