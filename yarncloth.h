@@ -1668,6 +1668,13 @@ typedef struct yci_panel {
     int first, last;
 } yci_panel;
 
+/* Products of blocks of at most YCI_BLOCK_MAX rows and columns, all by columns: A_p is m x k_p, B_p is n x k_p. */
+#define YCI_BLOCK_TERMS 16
+typedef struct {
+    int count, k[YCI_BLOCK_TERMS];
+    const double *a[YCI_BLOCK_TERMS], *b[YCI_BLOCK_TERMS];
+} yci_block_terms;
+
 typedef struct yci_kernels {
     const char *name;
 
@@ -1724,6 +1731,10 @@ typedef struct yci_kernels {
         int count);
     void (*solve_transposed)(
         int n, const double *f, size_t ld, const double *inverse, double *x, size_t ldx, int count);
+
+    /* D = C - sum A_p B_p', or that times H' where H, n x n, is given. C and D are m x n; behind each of the operands
+     * YCI_BLOCK_MAX numbers may be read, and behind D written. */
+    void (*block)(int m, int n, const yci_block_terms *t, const double *c, const double *h, double *d);
 } yci_kernels;
 
 #ifdef YC_USE_LAPACK
@@ -3142,12 +3153,53 @@ YCI_TARGET static void YCI_(yci_solve_transposed)(
     else YCI_(yci_solve_transposed_some)(n, f, ld, inverse, x, ldx, 4);
 }
 
+/* s -= A B', s[j] being column j. */
+YCI_TARGET YCI_INLINE void YCI_(yci_block_accumulate)(
+    int n, int vectors, int k, const double *a, int lda, const double *b, V (*s)[YCI_BLOCK_MAX / V_W]) {
+    int i, j;
+    for (; k > 0; k--, a += lda, b += n) {
+        YCI_UNROLL
+        for (j = 0; j < n; j++) {
+            V y = V_SET(b[j]);
+            YCI_UNROLL
+            for (i = 0; i < vectors; i++) s[j][i] = V_FNMA(V_LOAD(a + V_W * i), y, s[j][i]);
+        }
+    }
+}
+
+YCI_TARGET YCI_INLINE void YCI_(yci_block_some)(
+    int m, int n, const yci_block_terms *t, const double *c, const double *h, double *d) {
+    const int vectors = (m + V_W - 1) / V_W;
+    double work[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
+    V s[YCI_BLOCK_MAX][YCI_BLOCK_MAX / V_W];
+    int i, j, p;
+    YCI_UNROLL
+    for (j = 0; j < n; j++) YCI_UNROLL
+    for (i = 0; i < vectors; i++) s[j][i] = V_LOAD(c + m * j + V_W * i);
+    for (p = 0; p < t->count; p++) YCI_(yci_block_accumulate)(n, vectors, t->k[p], t->a[p], m, t->b[p], s);
+    YCI_UNROLL
+    for (j = 0; j < n && h; j++) YCI_UNROLL
+    for (i = 0; i < vectors; i++)
+        V_STORE(work + YCI_BLOCK_MAX * j + V_W * i, V_SUB(V_SET(0.0), s[j][i])), s[j][i] = V_SET(0.0);
+    if (h) YCI_(yci_block_accumulate)(n, vectors, n, work, YCI_BLOCK_MAX, h, s);
+    YCI_UNROLL
+    for (j = 0; j < n; j++) /* what is written behind a column comes before the next one */
+        YCI_UNROLL
+    for (i = 0; i < vectors; i++) V_STORE(d + m * j + V_W * i, s[j][i]);
+}
+
+YCI_TARGET static void YCI_(yci_block)(
+    int m, int n, const yci_block_terms *t, const double *c, const double *h, double *d) {
+    if (m == 5 && n == 5) YCI_(yci_block_some)(5, 5, t, c, h, d); /* a crossing's */
+    else YCI_(yci_block_some)(m, n, t, c, h, d);
+}
+
 #define YCI_TEXT_(name) #name
 #define YCI_TEXT(name) YCI_TEXT_(name)
 static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
     YCI_(yci_pack), YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_tiles_factor), YCI_(yci_tiles_solve),
     YCI_(yci_finite), YCI_(yci_take), YCI_(yci_transpose), YCI_(yci_panel), YCI_(yci_exchange), YCI_(yci_update),
-    YCI_(yci_solve), YCI_(yci_solve_transposed)};
+    YCI_(yci_solve), YCI_(yci_solve_transposed), YCI_(yci_block)};
 
 #ifdef __clang__
 #pragma clang diagnostic pop
@@ -3747,7 +3799,7 @@ static yc_result yci_bsr_create(
             if (m.col[p] == i) m.diag[i] = p;
             m.at[p + 1] = m.at[p] + (size_t)(dim[i] * dim[m.col[p]]);
         }
-    m.val = YCI_NEW(c, double, m.at[m.ptr[n]]);
+    m.val = YCI_NEW(c, double, m.at[m.ptr[n]] + YCI_BLOCK_MAX); /* kernels read beyond the end */
     if (!m.val) goto out_of_memory;
     *out = m;
     return YC_OK;
@@ -5705,12 +5757,13 @@ static void yci_ldl_solve(const yci_ldl *f, double *x, int count, int ldx, doubl
 
 typedef struct yci_ic {
     yci_context *c;
+    const yci_kernels *kernels;
     int count;
     int *node, *off, *dim; /* per included node, in order: node of the matrix, its first unknown, its unknowns */
     int *ptr, *col;        /* count + 1: blocks left of the diagonal, ascending positions */
-    int *source;           /* their blocks in the matrix */
+    int *source;           /* what they are in the matrix, turned round: its blocks are by rows */
     int *diag;             /* count: the diagonal's block in the matrix */
-    size_t *at, *corner;   /* first value of each block of L, and of each inverse diagonal block */
+    size_t *at, *corner;   /* first value of each block of L, and of each inverse diagonal block, both by columns */
     double *val;
     int *mark;         /* count: block of the current row in this column, or -1 */
     double shift;      /* what the last factorisation needed; 0: nothing */
@@ -5739,7 +5792,7 @@ static void yci_ic_layout(yci_ic *f, const yci_bsr *m, const int *pos) {
             if (j < 0 || j >= i) continue;
             for (; slot > begin && f->col[slot - 1] > j; slot--)
                 f->col[slot] = f->col[slot - 1], f->source[slot] = f->source[slot - 1];
-            f->col[slot] = j, f->source[slot] = k, at++;
+            f->col[slot] = j, f->source[slot] = yci_bsr_find(m, m->col[k], v), at++;
         }
         for (k = begin; k < at; k++) f->at[k] = values, values += (size_t)(f->dim[i] * f->dim[f->col[k]]);
         f->corner[i] = values, values += (size_t)(f->dim[i] * f->dim[i]);
@@ -5756,7 +5809,7 @@ static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *orde
     size_t blocks = ((size_t)m->ptr[m->n] - (size_t)m->n) / 2;
     yc_result result = YC_OK;
     *out = NULL;
-    if (f) f->c = c;
+    if (f) f->c = c, f->kernels = yci_kernels_best();
     if (ok) {
         f->count = count;
         f->node = YCI_NEW(c, int, count), f->off = YCI_NEW(c, int, count), f->dim = YCI_NEW(c, int, count);
@@ -5775,7 +5828,7 @@ static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *orde
     }
     if (ok && result == YC_OK) {
         yci_ic_layout(f, m, pos);
-        f->val = YCI_NEW(c, double, f->corner[count]);
+        f->val = YCI_NEW(c, double, f->corner[count] + YCI_BLOCK_MAX);
         ok = f->val != NULL;
     }
     yci_free(c, pos);
@@ -5792,33 +5845,38 @@ static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *orde
  * such as a yarn sliding along itself. */
 static int yci_ic_pivot(yci_ic *f, const yci_bsr *m, int i, double shift) {
     const double *a = m->val + m->at[f->diag[i]];
-    double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX];
-    int d = f->dim[i], k;
+    double block[YCI_BLOCK_MAX * (YCI_BLOCK_MAX + 1)], *corner = f->val + f->corner[i];
+    yci_block_terms t;
+    int d = f->dim[i], k, j;
     for (k = 0; k < d * d; k++) block[k] = (1.0 + shift) * a[k];
-    for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++) {
-        const double *l = f->val + f->at[k];
-        yci_block_subtract_product(d, d, f->dim[f->col[k]], l, l, block, block);
+    for (k = f->ptr[i], t.count = 0; k < f->ptr[i + 1] && !f->diagonal_only; k++) {
+        t.a[t.count] = t.b[t.count] = f->val + f->at[k], t.k[t.count++] = f->dim[f->col[k]];
+        if (t.count < YCI_BLOCK_TERMS && k + 1 < f->ptr[i + 1]) continue;
+        f->kernels->block(d, d, &t, block, NULL, block), t.count = 0;
     }
     if (!yci_block_cholesky(d, block, a, d + 1)) return 0;
-    yci_block_invert_lower(d, block, f->val + f->corner[i]);
+    yci_block_invert_lower(d, block, corner);
+    for (k = 0; k < d; k++)
+        for (j = 0; j < k; j++) corner[d * j + k] = corner[d * k + j], corner[d * k + j] = 0.0;
     return 1;
 }
 
 /* Blocks of row i: L(i,j) = (A(i,j) - sum over k < j of L(i,k) L(j,k)') inverse(G(j)'). */
 static void yci_ic_row(yci_ic *f, const yci_bsr *m, int i) {
-    int d = f->dim[i], k, p, a, b;
+    int d = f->dim[i], k, p;
     for (k = f->ptr[i]; k < f->ptr[i + 1]; k++) {
-        int j = f->col[k], e = f->dim[j];
-        double block[YCI_BLOCK_MAX * YCI_BLOCK_MAX], *l = f->val + f->at[k];
-        const double *rest = m->val + m->at[f->source[k]], *inverse = f->val + f->corner[j];
-        for (p = f->ptr[j]; p < f->ptr[j + 1]; p++) {
+        int j = f->col[k];
+        double *l = f->val + f->at[k];
+        const double *rest = m->val + m->at[f->source[k]];
+        yci_block_terms t;
+        for (p = f->ptr[j], t.count = 0; p < f->ptr[j + 1]; p++) {
             int other = f->mark[f->col[p]];
             if (other < 0) continue;
-            yci_block_subtract_product(d, e, f->dim[f->col[p]], f->val + f->at[other], f->val + f->at[p], rest, block);
-            rest = block;
+            if (t.count == YCI_BLOCK_TERMS) f->kernels->block(d, f->dim[j], &t, rest, NULL, l), rest = l, t.count = 0;
+            t.a[t.count] = f->val + f->at[other], t.b[t.count] = f->val + f->at[p];
+            t.k[t.count++] = f->dim[f->col[p]];
         }
-        for (a = 0; a < d; a++) /* the inverse has zeros above its diagonal */
-            for (b = 0; b < e; b++) l[a * e + b] = yci_block_dot(e, rest + a * e, inverse + b * e);
+        f->kernels->block(d, f->dim[j], &t, rest, f->val + f->corner[j], l);
         f->mark[j] = k;
     }
     for (k = f->ptr[i]; k < f->ptr[i + 1]; k++) f->mark[f->col[k]] = -1;
@@ -5856,13 +5914,13 @@ static void yci_ic_corner(int d, const double *g, double *y, int transposed) {
     if (!transposed)
         for (a = d - 1; a >= 0; a--) {
             double sum = 0.0;
-            for (b = 0; b <= a; b++) sum += g[a * d + b] * y[b];
+            for (b = 0; b <= a; b++) sum += g[b * d + a] * y[b];
             y[a] = sum;
         }
     else
         for (a = 0; a < d; a++) {
             double sum = 0.0;
-            for (b = a; b < d; b++) sum += g[b * d + a] * y[b];
+            for (b = a; b < d; b++) sum += g[a * d + b] * y[b];
             y[a] = sum;
         }
 }
@@ -5873,14 +5931,14 @@ static void yci_ic_solve(const yci_ic *f, double *x) {
     for (i = 0; i < f->count; i++) {
         double *y = x + f->off[i];
         for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++)
-            yci_block_subtract(f->dim[i], f->dim[f->col[k]], f->val + f->at[k], x + f->off[f->col[k]], y);
+            yci_block_subtract_transposed(f->dim[f->col[k]], f->dim[i], f->val + f->at[k], x + f->off[f->col[k]], y);
         yci_ic_corner(f->dim[i], f->val + f->corner[i], y, 0);
     }
     for (i = f->count - 1; i >= 0; i--) {
         double *y = x + f->off[i];
         yci_ic_corner(f->dim[i], f->val + f->corner[i], y, 1);
         for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++)
-            yci_block_subtract_transposed(f->dim[i], f->dim[f->col[k]], f->val + f->at[k], y, x + f->off[f->col[k]]);
+            yci_block_subtract(f->dim[f->col[k]], f->dim[i], f->val + f->at[k], y, x + f->off[f->col[k]]);
     }
 }
 
