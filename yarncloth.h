@@ -13224,6 +13224,7 @@ typedef struct yci_local {
     int nodes, points, dofs, node[4]; /* scene nodes; unknowns: `points` of positions, and others behind */
     signed char slot[12], comp[12];   /* of each unknown: which node, which component of its block, -1: held */
     double energy, g[12], h[144];
+    double *block[4][4]; /* of its nodes in the matrix, NULL where one is held */
 } yci_local;
 
 #define YCI_CHUNK 256         /* elements evaluated at once before their serial, ordered addition */
@@ -15481,41 +15482,53 @@ static int yci_count(const yci_model *m, int kind) {
 
 /* ---- assembly ---- */
 
-/* Adds the Hessian of an element to the matrix: the 3x3 blocks of its positions, then the rows and columns of further
- * unknowns, which stand behind those of the positions. `node` are the system's. */
-static void yci_local_blocks(yci_bsr *a, const yci_local *e, const int *node) {
-    const int n = e->dofs, points = e->points;
-    double *block[4][4];
-    int i, j, r, c;
+/* Finds where an element's Hessian goes. The blocks are fetched while others are evaluated: they lie far apart. */
+static void yci_local_find(const yci_model *m, yci_local *e) {
+    const yci_bsr *a = &m->system.a;
+    int i, j;
     for (i = 0; i < e->nodes; i++)
         for (j = 0; j < e->nodes; j++) {
+            int row = m->system_node[e->node[i]], column = m->system_node[e->node[j]];
+            double *block = NULL;
+            if (row >= 0 && column >= 0) {
+                block = a->val + a->at[yci_bsr_find(a, row, column)];
+                YCI_PREFETCH(block), YCI_PREFETCH(block + 8), YCI_PREFETCH(block + 16);
+            }
+            e->block[i][j] = block;
+        }
+}
+
+/* Adds the Hessian of an element to the matrix: the 3x3 blocks of its positions, then the rows and columns of further
+ * unknowns, which stand behind those of the positions. `node` are the system's. */
+static void yci_local_blocks(const yci_bsr *a, const yci_local *e, const int *node) {
+    const int n = e->dofs, points = e->points;
+    int i, j, r, c;
+    for (i = 0; 3 * i < points; i++)
+        for (j = 0; 3 * j < points; j++) {
             const double *h = e->h + 3 * (n * i + j);
-            double *out;
-            int stride = node[j] >= 0 ? a->dim[node[j]] : 0;
-            if (node[i] < 0 || node[j] < 0) continue;
-            out = block[i][j] = a->val + a->at[yci_bsr_find(a, node[i], node[j])];
-            for (r = 0; r < 3 && points; r++, out += stride, h += n) out[0] += h[0], out[1] += h[1], out[2] += h[2];
+            double *out = e->block[i][j];
+            int stride = out ? a->dim[node[j]] : 0;
+            for (r = 0; r < 3 && out; r++, out += stride, h += n) out[0] += h[0], out[1] += h[1], out[2] += h[2];
         }
     for (i = points; i < n; i++) {
-        int own = e->slot[i], at = e->comp[i];
+        int own = e->slot[i], at = e->comp[i], stride = node[own] >= 0 ? a->dim[node[own]] : 0;
         const double *h = e->h + n * i;
-        if (at < 0 || node[own] < 0) continue;
+        if (at < 0 || !stride) continue;
         for (j = 0; 3 * j < points; j++) {
-            double *row, *column;
-            int stride = a->dim[node[own]];
-            if (node[j] < 0) continue;
-            row = block[own][j] + at * a->dim[node[j]], column = block[j][own] + at;
+            double *row = e->block[own][j], *column = e->block[j][own];
+            if (!row) continue;
+            row += at * a->dim[node[j]], column += at;
             for (c = 0; c < 3; c++) row[c] += h[3 * j + c], column[c * stride] += e->h[(3 * j + c) * n + i];
         }
         for (j = points; j < n; j++)
             if (e->comp[j] >= 0 && node[e->slot[j]] >= 0)
-                block[own][e->slot[j]][at * a->dim[node[e->slot[j]]] + e->comp[j]] += h[j];
+                e->block[own][e->slot[j]][at * a->dim[node[e->slot[j]]] + e->comp[j]] += h[j];
     }
 }
 
 /* Adds an element's gradient and Hessian to the system; at a pinned node the gradient goes to its reaction. */
 static void yci_local_scatter(yci_model *m, const yci_local *e, int mode) {
-    yci_bsr *a = &m->system.a;
+    const yci_bsr *a = &m->system.a;
     int i, node[4];
     for (i = 0; i < e->nodes; i++) node[i] = m->system_node[e->node[i]];
     for (i = 0; i < e->dofs; i++) {
@@ -15535,8 +15548,11 @@ typedef struct yci_chunk {
 static void yci_eval_block(void *arg, int begin, int end) {
     const yci_chunk *chunk = (const yci_chunk *)arg;
     int i;
-    for (i = begin; i < end; i++)
-        yci_eval(chunk->s, chunk->kind, chunk->first + i, chunk->mode, chunk->s->model->local + i);
+    for (i = begin; i < end; i++) {
+        yci_local *local = chunk->s->model->local + i;
+        yci_eval(chunk->s, chunk->kind, chunk->first + i, chunk->mode, local);
+        if (chunk->mode == YCI_HESSIAN) yci_local_find(chunk->s->model, local);
+    }
 }
 
 /* The energy of one kind of element; with their modes also into gradient and matrix. Elements are evaluated in
