@@ -1735,6 +1735,11 @@ typedef struct yci_kernels {
     /* D = C - sum A_p B_p', or that times H' where H, n x n, is given. C and D are m x n; behind each of the operands
      * YCI_BLOCK_MAX numbers may be read, and behind D written. */
     void (*block)(int m, int n, const yci_block_terms *t, const double *c, const double *h, double *d);
+
+    /* y = A x, m numbers, for `count` blocks by rows, one behind the other at `a`, each m x dim[col[k]] and to be
+     * multiplied by x + off[col[k]]. Behind them YCI_BLOCK_MAX numbers may be read. */
+    void (*row)(
+        int m, int count, const int *col, const int *dim, const int *off, const double *a, const double *x, double *y);
 } yci_kernels;
 
 #ifdef YC_USE_LAPACK
@@ -3194,12 +3199,42 @@ YCI_TARGET static void YCI_(yci_block)(
     else YCI_(yci_block_some)(m, n, t, c, h, d);
 }
 
+YCI_TARGET YCI_INLINE void YCI_(yci_row_some)(
+    int m, int count, const int *col, const int *dim, const int *off, const double *a, const double *x, double *y) {
+    V s[YCI_BLOCK_MAX];
+    double lane[V_W];
+    int i, j, k;
+    YCI_UNROLL
+    for (i = 0; i < m; i++) s[i] = V_SET(0.0);
+    for (k = 0; k < count; k++) {
+        const double *from = x + off[col[k]];
+        int n = dim[col[k]];
+        for (j = 0; j < n; j += V_W) { /* of the last vector what is behind a row meets zeros */
+            V part = n - j >= V_W ? V_LOAD(from + j) : V_LOAD_PART(from + j, n - j);
+            YCI_UNROLL
+            for (i = 0; i < m; i++) s[i] = V_FMA(V_LOAD(a + n * i + j), part, s[i]);
+        }
+        a += m * n;
+    }
+    for (i = 0; i < m; i++) {
+        V_STORE(lane, s[i]);
+        for (j = 0, y[i] = 0.0; j < V_W; j++) y[i] += lane[j];
+    }
+}
+
+YCI_TARGET static void YCI_(yci_row)(
+    int m, int count, const int *col, const int *dim, const int *off, const double *a, const double *x, double *y) {
+    if (m == 5) YCI_(yci_row_some)(5, count, col, dim, off, a, x, y);
+    else if (m == 3) YCI_(yci_row_some)(3, count, col, dim, off, a, x, y);
+    else YCI_(yci_row_some)(m, count, col, dim, off, a, x, y);
+}
+
 #define YCI_TEXT_(name) #name
 #define YCI_TEXT(name) YCI_TEXT_(name)
 static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
     YCI_(yci_pack), YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_tiles_factor), YCI_(yci_tiles_solve),
     YCI_(yci_finite), YCI_(yci_take), YCI_(yci_transpose), YCI_(yci_panel), YCI_(yci_exchange), YCI_(yci_update),
-    YCI_(yci_solve), YCI_(yci_solve_transposed), YCI_(yci_block)};
+    YCI_(yci_solve), YCI_(yci_solve_transposed), YCI_(yci_block), YCI_(yci_row)};
 
 #ifdef __clang__
 #pragma clang diagnostic pop
@@ -3823,6 +3858,7 @@ static int yci_bsr_find(const yci_bsr *m, int i, int j) {
 static void yci_bsr_zero(yci_bsr *m) { memset(m->val, 0, m->at[m->ptr[m->n]] * sizeof(double)); }
 
 typedef struct {
+    const yci_kernels *kernels;
     const yci_bsr *m;
     const double *x;
     double *y;
@@ -3831,23 +3867,16 @@ typedef struct {
 static void yci_bsr_multiply_rows(void *arg, int begin, int end) {
     const yci_bsr_product *job = (const yci_bsr_product *)arg;
     const yci_bsr *m = job->m;
-    int i, k, a;
-    for (i = begin; i < end; i++) {
-        double sum[YCI_BLOCK_MAX] = {0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0};
-        int rows = m->dim[i];
-        for (k = m->ptr[i]; k < m->ptr[i + 1]; k++) {
-            const double *v = m->val + m->at[k], *x = job->x + m->off[m->col[k]];
-            int columns = m->dim[m->col[k]];
-            for (a = 0; a < rows; a++) sum[a] += yci_block_dot(columns, v + a * columns, x);
-        }
-        for (a = 0; a < rows; a++) job->y[m->off[i] + a] = sum[a];
-    }
+    int i;
+    for (i = begin; i < end; i++)
+        job->kernels->row(m->dim[i], m->ptr[i + 1] - m->ptr[i], m->col + m->ptr[i], m->dim, m->off,
+            m->val + m->at[m->ptr[i]], job->x, job->y + m->off[i]);
 }
 
 /* y = A x; x and y are different arrays of off[n] numbers. */
 static void yci_bsr_multiply(yci_context *c, const yci_bsr *m, const double *x, double *y) {
     yci_bsr_product job;
-    job.m = m, job.x = x, job.y = y;
+    job.kernels = yci_kernels_best(), job.m = m, job.x = x, job.y = y;
     yci_parallel(c, m->n, 512, yci_bsr_multiply_rows, &job);
 }
 
@@ -12635,16 +12664,14 @@ static size_t yci_system_coarse_pairs(yci_system *s, int (*pairs)[2]) {
                 for (w = s->support_ptr[j]; w < s->support_ptr[j + 1]; w++, count++) {
                     int a = s->support_column[u], b = s->support_column[w];
                     if (pairs) pairs[count][0] = a, pairs[count][1] = b;
-                    else if (s->coarse_target) {
-                        s->coarse_target[2 * count] = yci_bsr_find(&s->coarse, a, b);
-                        s->coarse_target[2 * count + 1] = yci_bsr_find(&s->coarse, b, a);
-                    }
+                    else if (s->coarse_target) s->coarse_target[count] = yci_bsr_find(&s->coarse, a, b);
                 }
         }
     return count;
 }
 
-/* Ac = Z'AZ from the 3x3 position parts of A's blocks; sliding coordinates stay local. A column with next to no
+/* Ac = Z'AZ from the 3x3 position parts of A's blocks; sliding coordinates stay local. Half of it is summed, which those
+ * above the diagonal and half of the diagonal make, and its transpose added. A column with next to no
  * stiffness of its own (yarns missing under it) is held by a trace of its neighbours' diagonal. */
 static void yci_system_coarse_assemble(yci_system *s) {
     size_t count = 0;
@@ -12657,15 +12684,20 @@ static void yci_system_coarse_assemble(yci_system *s) {
             const double *block = s->a.val + s->a.at[k];
             for (u = s->support_ptr[i]; u < s->support_ptr[i + 1]; u++)
                 for (w = s->support_ptr[j]; w < s->support_ptr[j + 1]; w++, count++) {
-                    double f = s->support_weight[u] * s->support_weight[w];
-                    double *x = s->coarse.val + s->coarse.at[s->coarse_target[2 * count]];
-                    double *y = s->coarse.val + s->coarse.at[s->coarse_target[2 * count + 1]];
-                    for (r = 0; r < 3; r++)
-                        for (t = 0; t < 3; t++) {
-                            x[3 * r + t] += f * block[r * stride + t];
-                            if (i != j) y[3 * t + r] += f * block[r * stride + t];
-                        }
+                    double f = (i == j ? 0.5 : 1.0) * s->support_weight[u] * s->support_weight[w];
+                    double *x = s->coarse.val + s->coarse.at[s->coarse_target[count]];
+                    for (r = 0; r < 3; r++) {
+                        const double *row = block + r * stride;
+                        x[3 * r] += f * row[0], x[3 * r + 1] += f * row[1], x[3 * r + 2] += f * row[2];
+                    }
                 }
+        }
+    for (i = 0; i < s->coarse_count; i++)
+        for (k = s->coarse.diag[i]; k < s->coarse.ptr[i + 1]; k++) {
+            double *x = s->coarse.val + s->coarse.at[k];
+            double *y = s->coarse.val + s->coarse.at[yci_bsr_find(&s->coarse, s->coarse.col[k], i)];
+            for (r = 0; r < 3; r++)
+                for (t = x == y ? r : 0; t < 3; t++) x[3 * r + t] = y[3 * t + r] = x[3 * r + t] + y[3 * t + r];
         }
     for (i = 0; i < s->coarse_count; i++)
         for (r = 0; r < 3; r++) trace += s->coarse.val[s->coarse.at[s->coarse.diag[i]] + (size_t)(4 * r)];
@@ -12901,7 +12933,7 @@ static yc_result yci_system_coarse_create(yci_system *s, const yci_system_input 
     result = yci_bsr_create(c, s->coarse_count, dims, (const int(*)[2])pairs, count, &s->coarse);
     if (result != YC_OK) goto done;
     result = YC_ERROR_MEMORY;
-    s->coarse_target = YCI_NEW(c, int, 2 * count);
+    s->coarse_target = YCI_NEW(c, int, count);
     if (!s->coarse_target) goto done;
     yci_system_coarse_pairs(s, NULL);
     result = yci_ldl_analyze_bsr(c, &s->coarse, NULL, 1, &s->coarse_factor);
