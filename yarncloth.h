@@ -696,6 +696,9 @@ typedef struct yc_knit_desc {
     /* 0: flat, back and forth; the sides of the chart's rows must then alternate. Nonzero: in the round, a spiral with
      * the right side outward; rows of the wrong side are worked as they look from the right one. Default 0 */
     int round;
+    /* nonzero: not bound off. The loops of the last row stand open, and the yarn's end is free: pulled, it unravels row
+     * after row. Default 0 */
+    int live;
     double wales, courses; /* per m, stitches across and rows along; > 0; default 220, 300: hand-knitted wool */
     double loop;           /* m of yarn in a stitch; >= 0; default 0: as long as it is laid */
     yc_yarn_material yarn; /* default: a wool yarn of 440 tex */
@@ -712,7 +715,7 @@ YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
  * nodes with k + 1 visits each, A and B of its left and of its right contact, and k contacts on each side; a plain
  * stitch thus has four nodes of 5 unknowns. Where a loop's legs cross (cast-on, twisted stitches) is a node with two
  * visits and without a contact; nodes with a single visit stand beside sharp turns: the yarn turns by less than 90
- * degrees everywhere unless stitches are crowded. Both ends of the yarn are secured. u is measured along the layout,
+ * degrees everywhere unless stitches are crowded. The ends of the yarn are secured, but for the last one of a live knit. u is measured along the layout,
  * stretched by one factor so that the length in a stitch is `loop`, the mean over the rows that were worked.
  * desc  not NULL; out  receives the network, untouched on failure; free with yc_yarns_destroy
  * Errors: ARGUMENT (the message names the field, or line, row and stitch of the chart and what does not fit), MEMORY.
@@ -783,7 +786,7 @@ typedef struct yc_cloth_desc {
     const double *prestretch; /* [triangle_count], rest = UV times this; > 0; NULL: 1 */
     int hold_sliding;         /* nonzero: no yarn slides; default 0 */
     /* nonzero: the network stays as given (see yc_event): no yarn breaks, and none slides further than a fifth of the
-     * length laid between two nodes; default 0. Knits stay as given whatever stands here */
+     * length laid between two nodes; default 0 */
     int hold_network;
     /* validation (MIX Fig. 3): every triangle hybrid with alpha 1 and no sliding; default 0 */
     int enrich_all;
@@ -935,6 +938,9 @@ typedef enum yc_event_type {
     YC_EVENT_SPLIT,   /* a segment of `yarn` has become long: `node` is new in its middle */
     YC_EVENT_BREAK,   /* `yarn` broke: it ends in the new `node`, what is beyond it is the new yarn `other` */
     YC_EVENT_LOOSE,   /* `yarn` crosses no other any more; node is -1 */
+    /* of knits: */
+    YC_EVENT_SLIP, /* a loop of `yarn` has slipped out of those it was drawn through, there at `node`, or fallen open */
+    YC_EVENT_PART, /* yarns at `node` have come apart: `yarn` goes on through the new node `other`, in the same place */
     YC_EVENT_COUNT
 } yc_event_type;
 
@@ -9161,6 +9167,7 @@ typedef struct {
     int node, at; /* at: what number it will have */
     signed char layer;
     unsigned char joined, after; /* the segment after it lies in a contact; it is the one for this turn's nodes */
+    unsigned char alone;         /* no other yarn is there */
     unsigned char cuts[2];       /* nodes for this turn in the segment before, after it */
 } yci_knit_visit;
 
@@ -9435,7 +9442,7 @@ static yc_result yci_knit_work(yci_knitter *k) {
     k->last = -1;
     result = yci_knit_begin(k);
     for (i = 0; i < k->desc->rows && result == YC_OK; i++) result = yci_knit_row(k, chart, i % chart->row_count);
-    if (result == YC_OK) result = yci_knit_end(k);
+    if (result == YC_OK && !k->desc->live) result = yci_knit_end(k);
     return result;
 }
 
@@ -9526,6 +9533,11 @@ static void yci_knit_up(const yci_knitter *k, int i, int before, double up[2]) {
     up[0] /= length, up[1] /= length;
 }
 
+/* How many lone nodes shape the head of a loop that no other is drawn through: as many as if one were. */
+static int yci_knit_open(const yci_knitter *k, const yci_knit_loop *loop) {
+    return k->desc->live && loop->up[0] < 0 ? 4 : 0;
+}
+
 /* Numbers the nodes and contacts of a loop. */
 static void yci_knit_number(yci_knitter *k, yci_knit_loop *loop) {
     loop->node = k->node_count, loop->contact = k->contact_count;
@@ -9533,7 +9545,7 @@ static void yci_knit_number(yci_knitter *k, yci_knit_loop *loop) {
         k->node_count += loop->tail ? 2 : 4;
         k->contact_count += (loop->tail ? 1 : 2) * loop->old_count;
     }
-    k->node_count += loop->twist;
+    k->node_count += loop->twist + yci_knit_open(k, loop);
 }
 
 static int yci_knit_cross(const yci_knit_loop *loop) { return loop->node + (loop->old_count ? 4 : 0); }
@@ -9551,6 +9563,12 @@ static void yci_knit_place_loop(yci_knitter *k, int i, int before) {
         k->place[loop->node + n][0] = loop->x[0] + up[1] * x + up[0] * y;
         k->place[loop->node + n][1] = loop->x[1] - up[0] * x + up[1] * y;
     }
+    for (n = 0; n < yci_knit_open(k, loop); n++) {
+        double x = (n < 2 ? -loop->dir : loop->dir) * (n % 3 ? 0.15 : 0.35) * k->width;
+        double y = (k->row - loop->row + (n % 3 ? 0.2 : -0.2)) * k->height;
+        for (j = 0; j < 2; j++)
+            k->place[yci_knit_cross(loop) + loop->twist + n][j] = loop->x[j] + (j ? -up[0] : up[1]) * x + up[j] * y;
+    }
     if (!loop->twist) return;
     for (j = 0; j < 2; j++) k->place[yci_knit_cross(loop)][j] = loop->x[j];
     if (!loop->old_count) return;
@@ -9563,7 +9581,7 @@ static void yci_knit_place_loop(yci_knitter *k, int i, int before) {
 
 /* Numbers and places all nodes. The last two are the yarn's ends, half a stitch beyond its first and last loop. */
 static yc_result yci_knit_place(yci_knitter *k) {
-    int i, before = -1, last = k->loop_count - 1, n;
+    int i, before = -1, last = k->loop_count - 1, n, end;
     yc_result result = k->shaped ? yci_knit_relax(k) : YC_OK;
     if (result != YC_OK) return result;
     for (i = 0; i >= 0; i = k->loops[i].next) yci_knit_number(k, &k->loops[i]);
@@ -9571,9 +9589,10 @@ static yc_result yci_knit_place(yci_knitter *k) {
     if (!k->place) return yci_out_of_memory(k->c, "the nodes of a knit");
     for (i = 0; i >= 0; before = i, i = k->loops[i].next) yci_knit_place_loop(k, i, before);
     n = k->node_count, k->node_count += 2;
+    end = k->loops[last].node + (k->loops[last].tail ? 1 : k->loops[last].old_count && k->loops[last].dir > 0 ? 2 : 0);
     for (i = 0; i < 2; i++)
         k->place[n][i] = k->place[k->loops[0].node][i] - (i ? 0.0 : 0.5 * k->width * k->loops[0].dir),
-        k->place[n + 1][i] = k->place[k->loops[last].node + 1][i] + (i ? 0.0 : 0.5 * k->width * k->loops[last].dir);
+        k->place[n + 1][i] = k->place[end][i] + (i ? 0.0 : 0.5 * k->width * k->loops[last].dir);
     return YC_OK;
 }
 
@@ -9615,8 +9634,8 @@ static void yci_knit_head(yci_knitter *k, int loop, int up, int first) {
 static yc_result yci_knit_follow(yci_knitter *k) {
     int i, j, count = 2, ends = k->node_count - 2;
     for (i = 0; i < k->loop_count; i++) /* two visits of A and B at each side, by each yarn */
-        count +=
-            (k->loops[i].tail ? 2 : 4) * (k->loops[i].old_count + (k->loops[i].old_count > 0)) + 2 * k->loops[i].twist;
+        count += (k->loops[i].tail ? 2 : 4) * (k->loops[i].old_count + (k->loops[i].old_count > 0)) +
+            2 * k->loops[i].twist + yci_knit_open(k, k->loops + i);
     k->visits = YCI_NEW(k->c, yci_knit_visit, count);
     k->contacts = YCI_NEW(k->c, yc_stitch_contact, k->contact_count);
     if (!k->visits || !k->contacts) return yci_out_of_memory(k->c, "the yarn of a knit");
@@ -9629,6 +9648,10 @@ static yc_result yci_knit_follow(yci_knitter *k) {
         for (j = 0; j < 2; j++) {
             int up = loop->up[turned ? !j : j];
             if (up >= 0) yci_knit_head(k, i, up, near ^ loop->twist);
+        }
+        for (j = 0; j < yci_knit_open(k, loop); j++) {
+            k->visits[k->visit_count].alone = 1;
+            yci_knit_go(k, yci_knit_cross(loop) + loop->twist + j, 0, 0);
         }
         if (loop->twist) yci_knit_go(k, yci_knit_cross(loop), loop->dir, 0);
         if (loop->old_count && !loop->tail) yci_knit_touch(k, i, -1, !near, 1);
@@ -9736,8 +9759,11 @@ static void yci_knit_fill(yci_knitter *k, yc_yarns *y) {
     for (i = 0; i < k->visit_count; i++) {
         const yci_knit_visit *v = &k->visits[i];
         y->visit_node[v->at] = v->node, y->visit_layer[v->at] = v->layer;
-        y->visit_held[v->at] = (unsigned char)(i == 0 || i == k->visit_count - 1 ? 2 : 0);
-        if (i + 1 == k->visit_count) break;
+        y->visit_held[v->at] = (unsigned char)(i == 0 || i == k->visit_count - 1 ? 2 : v->alone);
+        if (i + 1 == k->visit_count) {
+            y->visit_held[v->at] = k->desc->live ? 1 : 2;
+            break;
+        }
         n = yci_knit_segment(k, i, points);
         for (j = 1; j + 1 < n; j++, next++) {
             yci_knit_bend(k, points[j], y->layout[next]);
@@ -9755,7 +9781,7 @@ static void yci_knit_fill(yci_knitter *k, yc_yarns *y) {
 
 /* How many visits a loop makes, in `visits`. */
 static int yci_knit_visits_of(const yci_knitter *k, const yci_knit_loop *loop) {
-    int count = (loop->tail ? 2 : 4) * (loop->old_count > 0) + 2 * loop->twist, j;
+    int count = (loop->tail ? 2 : 4) * (loop->old_count > 0) + 2 * loop->twist + yci_knit_open(k, loop), j;
     for (j = 0; j < 2 && loop->up[j] >= 0; j++) count += k->loops[loop->up[j]].tail ? 2 : 4;
     return count;
 }
@@ -13129,6 +13155,7 @@ typedef struct yci_cloth {
     yc_yarns yarns;  /* as it is now, in the block `owner`. visit_u is not the state: where it was laid what is there */
     yc_yarns kept;   /* what it was when the user's step began; owner NULL: the same */
     double pitch[3]; /* m, mean distance of neighbouring crossings, by family, as given */
+    int knit;        /* whether it was given with stitch contacts: it may lose them all */
     int laid_nodes, laid_visits;       /* as given; nodes from laid_nodes on are made by events */
     int vertex, node, visit, triangle; /* first of each in the scene */
 } yci_cloth;
@@ -13183,6 +13210,13 @@ typedef struct yci_slide {
     int visit, other, rub; /* -1: none */
     double sign, from, stiffness, share;
 } yci_slide;
+/* What becomes of a knit once its yarn between visits a and b is shorter than `limit`: MERGE, visit `drop` goes; SLIP, a
+ * loop comes out of those it was drawn through, by visits `leave`; RELEASE, the end of a yarn does so. -1: none. */
+typedef struct yci_due {
+    int cloth, yarn, a, b, drop, leave[2];
+    yc_event_type type;
+    double limit;
+} yci_due;
 /* A stitch contact's yarns wrap about each other: visits at its two nodes, of the yarns whose tails are p and q there.
  */
 typedef struct yci_wrap {
@@ -13269,6 +13303,8 @@ typedef struct yci_local {
 #define YCI_TURN_WIDTH 0.3    /* rad, likewise for the bending of a knit's yarns */
 #define YCI_TAIL 0.15         /* pitches: a yarn's end slides out of a crossing that is closer */
 #define YCI_LONG 2.0          /* pitches: a longer segment gets a node */
+#define YCI_SLIP 1.0          /* pitches: a loop of a knit slips out of others when its head is shorter */
+#define YCI_SHORT 0.7         /* pitches: so much of a knit's loose yarn needs no node in it */
 
 #define YCI_ARRAY(type, name) \
     type *name; \
@@ -13306,6 +13342,7 @@ typedef struct yci_model {
     YCI_ARRAY(yci_wrap, wrap);
     YCI_ARRAY(yci_length, length);
     YCI_ARRAY(yci_stack, stack);
+    YCI_ARRAY(yci_due, due);
     YCI_ARRAY(yci_face, face);
     YCI_ARRAY(yci_hinge, hinge);
     YCI_ARRAY(yci_stitch, stitch);
@@ -13397,7 +13434,7 @@ YC_API const char *yc_term_name(yc_term term) {
 }
 
 YC_API const char *yc_event_name(yc_event_type type) {
-    static const char *const names[] = {"release", "merge", "split", "break", "loose"};
+    static const char *const names[] = {"release", "merge", "split", "break", "loose", "slip", "part"};
     return (int)type >= 0 && type < YC_EVENT_COUNT ? names[type] : "unknown yc_event_type";
 }
 
@@ -13507,7 +13544,7 @@ static void yci_model_destroy(yc_scene *s) {
     yci_free(c, m->undulates), yci_free(c, m->height_slot), yci_free(c, m->lift), yci_free(c, m->thrust);
     yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear), yci_free(c, m->turn),
         yci_free(c, m->adjacent), yci_free(c, m->flatten), yci_free(c, m->slide), yci_free(c, m->rub);
-    yci_free(c, m->wrap), yci_free(c, m->length), yci_free(c, m->stack), yci_free(c, m->unwrap);
+    yci_free(c, m->wrap), yci_free(c, m->length), yci_free(c, m->stack), yci_free(c, m->due), yci_free(c, m->unwrap);
     yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
     yci_free(c, m->grip), yci_free(c, m->edge), yci_free(c, m->ball), yci_free(c, m->face_node),
         yci_pairs_free(c, &m->pairs);
@@ -13630,11 +13667,9 @@ static yc_result yci_cloth_check_starts(yci_context *c, const yc_cloth_desc *d) 
 
 /* What a scene asks of a knit beyond yci_yarns_check: how many yarns a stack has, and that what is drawn through the
  * others lies on one side of them. */
-static yc_result yci_knit_cloth_check(yci_context *c, const yc_cloth_desc *d) {
-    const yc_yarns *y = d->yarns;
+static yc_result yci_knit_check_stacks(yci_context *c, const yc_yarns *y) {
     int i, k, *count;
     yc_result r = YC_OK;
-    if (d->mesh.vertex_count) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.mesh: a knit cannot lie on one");
     if (y->visit_height) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.yarns.visit_height: a knit cannot have crimp");
     count = YCI_NEW(c, int, y->node_count);
     if (!count) return yci_out_of_memory(c, "the check of a knit");
@@ -13662,7 +13697,10 @@ static yc_result yci_cloth_check(yci_context *c, const yc_cloth_desc *d) {
     r = yci_triangle_material_check(c, &d->material);
     if (r == YC_OK && d->mesh.vertex_count) r = yci_mesh_check(c, &d->mesh);
     if (r == YC_OK && d->yarns) r = yci_yarns_check(c, d->yarns, d->mesh.vertex_count ? &d->mesh : NULL);
-    if (r == YC_OK && d->yarns && d->yarns->contact_count) r = yci_knit_cloth_check(c, d);
+    if (r == YC_OK && d->yarns && d->yarns->contact_count) {
+        if (d->mesh.vertex_count) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.mesh: a knit cannot lie on one");
+        r = yci_knit_check_stacks(c, d->yarns);
+    }
     if (r == YC_OK) r = yci_scene_range(c, "cloth.alpha_uniform", d->alpha_uniform, 0.0, 1.0, 0);
     if (r == YC_OK) r = yci_array_check(c, "alpha", d->alpha, d->mesh.vertex_count, 0.0, 1.0, 0);
     if (r == YC_OK) r = yci_array_check(c, "grain", d->grain, d->mesh.triangle_count, -1e3, 1e3, 0);
@@ -13727,12 +13765,12 @@ static void yci_network_parts(const yc_yarns *y, yci_network_part *list) {
 
 /* Makes a network with room for these counts and the materials of another. */
 static int yci_network_new(
-    yci_context *c, const yc_yarns *like, int nodes, int yarns, int visits, int on_mesh, yc_yarns *out) {
+    yci_context *c, const yc_yarns *like, int nodes, int yarns, int visits, int contacts, int on_mesh, yc_yarns *out) {
     const int has = (like->visit_height ? YCI_HEIGHTS : 0) | (like->visit_turn ? YCI_TURNS : 0);
     char *block;
     memset(out, 0, sizeof *out);
     out->node_count = nodes, out->yarn_count = yarns, out->visit_count = visits;
-    out->material_count = like->material_count, out->contact_count = like->contact_count;
+    out->material_count = like->material_count, out->contact_count = contacts;
     block = (char *)yci_alloc(c, yci_weave_arrays(out, NULL, on_mesh, has), 1);
     if (!block) return 0;
     yci_weave_arrays(out, block, on_mesh, has);
@@ -13743,7 +13781,7 @@ static int yci_network_new(
 static int yci_network_copy(yci_context *c, const yc_yarns *y, int on_mesh, yc_yarns *out) {
     yci_network_part from[YCI_NETWORK_PARTS], to[YCI_NETWORK_PARTS];
     int i;
-    if (!yci_network_new(c, y, y->node_count, y->yarn_count, y->visit_count, on_mesh, out)) return 0;
+    if (!yci_network_new(c, y, y->node_count, y->yarn_count, y->visit_count, y->contact_count, on_mesh, out)) return 0;
     yci_network_parts(y, from), yci_network_parts(out, to);
     for (i = 0; i < YCI_NETWORK_PARTS; i++)
         if (to[i].bytes) memcpy(to[i].data, from[i].data, to[i].bytes);
@@ -13860,7 +13898,7 @@ YC_API yc_result yc_scene_add_cloth(yc_scene *s, const yc_cloth_desc *desc, int 
     yci_grow_commit(c, grow, n);
     yci_scene_shift_nodes(s, vertices);
     s->node_room = nodes, s->visit_room = visits;
-    cloth.desc.hold_network |= cloth.yarns.contact_count > 0;
+    cloth.knit = cloth.yarns.contact_count > 0;
     cloth.laid_nodes = cloth.yarns.node_count, cloth.laid_visits = cloth.yarns.visit_count;
     if (desc->yarns) yci_network_pitch(desc->yarns, cloth.pitch);
     cloth.vertex = s->vertices, cloth.triangle = s->triangles;
@@ -14281,8 +14319,9 @@ static void yci_build_tail(const yci_build *b, int yarn, int lone, int slider, y
     int end = lone == y->yarn_first[yarn] || lone + 1 == y->yarn_first[yarn + 1], goes = end ? slider : lone;
     int node = b->cloth->node + y->visit_node[goes];
     if (b->cloth->desc.hold_network || (end && y->visit_held[lone] > 1)) return;
-    e->limit = YCI_TAIL * b->cloth->pitch[y->yarn_family[yarn]], e->floor = 0.2 * e->limit;
-    if (b->m->held[node] || yci_is_sewn(b->s, node)) return;
+    e->limit = YCI_TAIL * b->cloth->pitch[y->yarn_family[yarn]];
+    e->floor = yci_min(e->floor, 0.2 * e->limit);
+    if (b->cloth->knit || b->m->held[node] || yci_is_sewn(b->s, node)) return;
     if (end || (yci_build_full(b, lone - 1) && yci_build_full(b, lone + 1))) e->drop = b->cloth->visit + goes;
 }
 
@@ -14304,15 +14343,17 @@ static int yci_build_visit(const yci_build *b, int yarn, int a, const yci_crossi
             e->a = base, e->b = base + 1, e->c = base + 2;
             e->stiffness = alpha * material->bending, e->previous = 0.0;
             e->rest = y->visit_turn ? y->visit_turn[a + 1] : 0.0;
-            e->jam = y->contact_count ? YCI_TURN_WIDTH : 0.0;
+            e->jam = b->cloth->knit ? YCI_TURN_WIDTH : 0.0;
         }
         if (y->visit_height && !yci_build_kink(b, yarn, a + 1, alpha)) return 0;
     }
     if (active && (b->m->visit_slot[base] >= 0 || b->m->visit_slot[base + 1] >= 0)) {
         yci_adjacent *e = YCI_PUSH(b, adjacent);
         double rest = yci_build_laid(b, yarn, a);
+        if (b->cloth->knit && !b->cloth->desc.hold_network)
+            rest = yci_min(rest, YCI_LONG * b->cloth->pitch[y->yarn_family[yarn]]);
         /* else the segment runs to an end, with nothing to touch; of a knit it may be a stitch contact's */
-        int parallel = here->count == 2 && next->count == 2 && !y->contact_count;
+        int parallel = here->count == 2 && next->count == 2 && !b->cloth->knit;
         if (!e) return 0;
         touching = parallel ? yci_yarn_of(b, here->yarn[here->yarn[0] == yarn])->radius +
                 yci_yarn_of(b, next->yarn[next->yarn[0] == yarn])->radius
@@ -14603,6 +14644,88 @@ static int yci_build_stack(const yci_build *b, const yci_crossing *here, const y
     return 1;
 }
 
+/* Whether nothing outside of a knit holds a node. */
+static int yci_build_free(const yci_build *b, int visit) {
+    int node = b->cloth->node + b->yarns->visit_node[visit];
+    return b->m->role[node] == YCI_FULL && !b->m->held[node] && !yci_is_sewn(b->s, node);
+}
+
+/* The other end of the stitch contacts that a visit lies in; itself where it lies in none. */
+static int yci_build_partner(const yc_yarns *y, const yci_role *role, int visit) {
+    const int *pair = role[visit].contact < 0 ? NULL : y->contacts[role[visit].contact].visit[role[visit].fresh];
+    return pair ? pair[pair[0] == visit] : visit;
+}
+
+static int yci_build_may_leave(const yci_build *b, const yci_role *role, int visit) {
+    return yci_build_free(b, visit) && yci_build_free(b, yci_build_partner(b->yarns, role, visit));
+}
+
+static yci_due *yci_build_push_due(const yci_build *b, int yarn, int v, int w, yc_event_type type, double pitches) {
+    const yc_yarns *y = b->yarns;
+    yci_due *e = YCI_PUSH(b, due);
+    int a = v < w ? v : w, z = v < w ? w : v;
+    if (!e) return NULL;
+    e->cloth = (int)(b->cloth - b->s->cloth), e->yarn = yarn, e->type = type;
+    e->a = b->cloth->visit + a, e->b = b->cloth->visit + z, e->drop = e->leave[0] = e->leave[1] = -1;
+    e->limit = pitches * b->cloth->pitch[y->yarn_family[yarn]];
+    return e;
+}
+
+/* What may become of a lone visit: an end slides out of the crossing next to it, any other is left out when it comes
+ * close to one, or lies in loose yarn. What was laid short stays until half of it has gone. */
+static int yci_build_due_alone(
+    const yci_build *b, const yci_crossing *crossing, const yci_role *role, int yarn, int v) {
+    const yc_yarns *y = b->yarns;
+    int first = y->yarn_first[yarn], last = y->yarn_first[yarn + 1] - 1, side, end = v == first || v == last;
+    yci_due *e;
+    if (end ? y->visit_held[v] > 1 : !yci_build_free(b, v) || y->visit_node[v - 1] == y->visit_node[v + 1]) return 1;
+    for (side = -1; side < 2; side += 2) {
+        int next = v + side;
+        if (next < first || next > last || crossing[y->visit_node[next]].count < 2) continue;
+        if (end && !yci_build_may_leave(b, role, next)) continue;
+        e = yci_build_push_due(b, yarn, v, next, end ? YC_EVENT_RELEASE : YC_EVENT_MERGE, YCI_TAIL);
+        if (!e) return 0;
+        if (end) e->leave[0] = b->cloth->visit + next;
+        else e->drop = b->cloth->visit + v, e->limit = yci_min(e->limit, 0.5 * fabs(y->visit_u[next] - y->visit_u[v]));
+    }
+    if (end || y->visit_node[v] < b->cloth->laid_nodes) return 1;
+    e = yci_build_push_due(b, yarn, v - 1, v + 1, YC_EVENT_MERGE, YCI_SHORT);
+    if (e) e->drop = b->cloth->visit + v;
+    return e != NULL;
+}
+
+/* Whether nothing lies between two neighbouring crossings of a yarn but the head of a loop, which both B bound. */
+static int yci_build_is_head(const yc_yarns *y, const yci_role *role, int p, int q) {
+    return role[p].contact >= 0 && role[p].fresh && role[p].way > 0 && role[q].contact >= 0 && role[q].fresh &&
+        role[q].way < 0 && yci_build_partner(y, role, p) == p - 1 && yci_build_partner(y, role, q) == q + 1;
+}
+
+/* What may become of a knit. A loop whose head crosses nothing slips out when that has been drawn in; so falls open a
+ * loop whose legs cross and whose yarn does not cross anything in between. */
+static int yci_build_due(const yci_build *b, const yci_crossing *crossing, const yci_role *role) {
+    const yc_yarns *y = b->yarns;
+    int yarn, v;
+    for (yarn = 0; yarn < y->yarn_count; yarn++) {
+        int before = -1; /* the crossing before */
+        for (v = y->yarn_first[yarn]; v < y->yarn_first[yarn + 1]; v++) {
+            if (crossing[y->visit_node[v]].count < 2) {
+                if (!yci_build_due_alone(b, crossing, role, yarn, v)) return 0;
+                continue;
+            }
+            if (before >= 0 && yci_build_may_leave(b, role, before) && yci_build_may_leave(b, role, v)) {
+                int open = y->visit_node[before] == y->visit_node[v];
+                if (open || yci_build_is_head(y, role, before, v)) {
+                    yci_due *e = yci_build_push_due(b, yarn, before, v, YC_EVENT_SLIP, YCI_SLIP);
+                    if (!e) return 0;
+                    e->leave[0] = e->a, e->leave[1] = open ? -1 : e->b;
+                }
+            }
+            before = v;
+        }
+    }
+    return 1;
+}
+
 static int yci_build_knit(const yci_build *b, const yci_crossing *crossing) {
     const yc_yarns *y = b->yarns;
     yci_context *c = &b->s->c;
@@ -14612,14 +14735,16 @@ static int yci_build_knit(const yci_build *b, const yci_crossing *crossing) {
     for (i = 0; ok && i < y->contact_count; i++) ok = yci_build_wraps(b, crossing, i);
     for (i = 0; ok && i < y->yarn_count; i++) ok = yci_build_lengths(b, i, role);
     for (i = 0; ok && i < y->node_count; i++) ok = yci_build_stack(b, crossing + i, role);
+    if (ok && !b->cloth->desc.hold_network) ok = yci_build_due(b, crossing, role);
     if (ok && !b->m->unwrap) ok = (b->m->unwrap = YCI_NEW(c, double, 3 * (size_t)b->s->visits)) != NULL;
     yci_free(c, role);
     return ok;
 }
 
 /* Enters a network's visits at their nodes, in `room` [2 visits]. Visits are numbered from `first`, nodes by
- * visit_node; stacks are sorted. */
-static void yci_crossing_fill(yci_crossing *crossing, const yc_yarns *y, const int *visit_node, int first, int *room) {
+ * visit_node; `stacks`: those of a node are sorted. */
+static void yci_crossing_fill(
+    yci_crossing *crossing, const yc_yarns *y, const int *visit_node, int first, int stacks, int *room) {
     int yarn, visit, pass, k;
     for (pass = 0; pass < 2; pass++)
         for (yarn = 0; yarn < y->yarn_count; yarn++)
@@ -14630,7 +14755,7 @@ static void yci_crossing_fill(yci_crossing *crossing, const yc_yarns *y, const i
                     continue;
                 }
                 if (!at->visit) at->visit = room, at->yarn = room + at->count, room += 2 * at->count, at->count = 0;
-                for (k = at->count++; k && y->contact_count; k--) {
+                for (k = at->count++; k && stacks; k--) {
                     if (y->visit_layer[at->visit[k - 1] - first] <= y->visit_layer[visit]) break;
                     at->visit[k] = at->visit[k - 1], at->yarn[k] = at->yarn[k - 1];
                 }
@@ -14663,9 +14788,9 @@ static int yci_build_yarns(yci_build *b) {
     const yc_yarns *y = b->yarns;
     yci_crossing *crossing = YCI_NEW(c, yci_crossing, y->node_count);
     const int *walk = b->m->walk + b->cloth->node;
-    int i, k, woven = y->contact_count == 0, *room = YCI_NEW(c, int, 2 * (size_t)y->visit_count);
+    int i, k, woven = !b->cloth->knit, *room = YCI_NEW(c, int, 2 * (size_t)y->visit_count);
     int ok = crossing && room;
-    if (ok) yci_crossing_fill(crossing, y, y->visit_node, 0, room), yci_build_slots(b, crossing);
+    if (ok) yci_crossing_fill(crossing, y, y->visit_node, 0, !woven, room), yci_build_slots(b, crossing);
     if (ok && b->m->height_slot) ok = yci_build_heights(b, crossing);
     for (i = 0; i < y->node_count; i++) {
         const yci_crossing *here = crossing + walk[i] - b->cloth->node;
@@ -16311,7 +16436,7 @@ static void yci_compress(yc_scene *s) {
         yci_rub *e = m->rub + i;
         const yci_cloth *cloth = s->cloth + e->cloth;
         double lambda;
-        if (cloth->yarns.contact_count) continue;
+        if (cloth->knit) continue;
         if (m->thrust && cloth->yarns.visit_height) {
             int up = cloth->yarns.visit_layer[e->visit[0]] < 0 ? 1 : 0;
             const double *thrust = m->thrust + cloth->visit;
@@ -16543,6 +16668,9 @@ enum { YCI_ADD_NODE = 1, YCI_ADD_BREAK = 2 };
 typedef struct yci_change {
     yc_scene *s;
     unsigned char *drop, *add; /* [visits]: whether it goes, and what comes behind it */
+    unsigned char *part;       /* [visits]: whether it gets a node of its own */
+    unsigned char *tell;       /* [visits]: 1 + type of an event there, 0: none */
+    int *visit_to;             /* [visits], their numbers in their networks to come */
     unsigned char *touched;    /* [nodes], whether a visit leaves it */
     yci_crossing *crossing;    /* [nodes], visits by their numbers in the scene, */
     int *room;                 /* [2 visits], which lie here */
@@ -16576,10 +16704,111 @@ static int yci_segment_due(const yc_scene *s, const yci_cloth *cloth, int yarn, 
     return du > YCI_LONG * yci_max(pitch, laid) ? YCI_ADD_NODE : 0;
 }
 
+/* Whether the segment behind visit k lies in a stitch contact. */
+static int yci_change_in_contact(const yc_yarns *y, int k) {
+    int i, found = 0;
+    for (i = 0; i < 2 * y->contact_count && !found; i++) {
+        const int *pair = y->contacts[i / 2].visit[i % 2];
+        found = (pair[0] == k && pair[1] == k + 1) || (pair[1] == k && pair[0] == k + 1);
+    }
+    return found;
+}
+
+/* The energy of a yarn through `count` of its visits: of stretch between them and of bending at the inner ones. */
+static double yci_change_energy(const yc_scene *s, const yci_cloth *cloth, int yarn, const int *visit, int count) {
+    const yc_yarns *y = &cloth->yarns;
+    const yc_yarn_material *material = y->materials + y->yarn_material[yarn];
+    double q[11], energy = 0.0, strain, du, d[3];
+    int i, k;
+    for (i = 0; i + 1 < count; i++) {
+        yci_sub(d, s->x + 3 * s->visit_node[visit[i + 1]], s->x + 3 * s->visit_node[visit[i]]);
+        du = s->u[visit[i + 1]] - s->u[visit[i]], strain = yci_norm(d) / du - 1.0;
+        energy += 0.5 * material->stretch * du * strain * strain;
+    }
+    for (i = 0; i + 2 < count; i++) {
+        double rest = y->visit_turn ? y->visit_turn[visit[i + 1] - cloth->visit] : 0.0;
+        for (k = 0; k < 3; k++) yci_copy(q + 3 * k, s->x + 3 * s->visit_node[visit[i + k]]);
+        q[9] = s->u[visit[i]], q[10] = s->u[visit[i + 2]];
+        energy += yci_yarn_bend(q, material->bending, rest, YCI_TURN_WIDTH, 0.0, 0.0, NULL, NULL, 0);
+    }
+    return energy;
+}
+
+/* Whether the yarn of a knit may go past a lone visit: where that costs no energy, or there is hardly any yarn left. */
+static int yci_change_pays(const yc_scene *s, const yci_due *e) {
+    const yci_cloth *cloth = s->cloth + e->cloth;
+    const int *first = cloth->yarns.yarn_first + e->yarn;
+    int with[5], without[4], i, n = 0, m = 0;
+    if (e->b == e->a + 1 && s->u[e->b] - s->u[e->a] < 0.35 * e->limit) return 1;
+    for (i = e->drop - 2; i <= e->drop + 2; i++) {
+        if (i < cloth->visit + first[0] || i >= cloth->visit + first[1]) continue;
+        with[n++] = i;
+        if (i != e->drop) without[m++] = i;
+    }
+    return yci_change_energy(s, cloth, e->yarn, without, m) <= yci_change_energy(s, cloth, e->yarn, with, n);
+}
+
+/* The other end of the stitch contacts that a visit lies in; itself where it lies in none. By the scene's numbers. */
+static int yci_change_partner(const yci_cloth *cloth, int visit) {
+    const yc_yarns *y = &cloth->yarns;
+    int i, k = visit - cloth->visit;
+    for (i = 0; i < 4 * y->contact_count; i++)
+        if (y->contacts[i / 4].visit[i / 2 % 2][i % 2] == k)
+            return cloth->visit + y->contacts[i / 4].visit[i / 2 % 2][!(i % 2)];
+    return visit;
+}
+
+static int yci_change_is_new(const yci_cloth *cloth, int visit) { /* whether it is a new loop's in a contact */
+    const yc_yarns *y = &cloth->yarns;
+    int i, found = 0;
+    for (i = 0; i < 2 * y->contact_count && !found; i++)
+        found = y->contacts[i / 2].visit[1][i % 2] == visit - cloth->visit;
+    return found;
+}
+
+/* A yarn leaves one of its crossings, of a stitch contact both. The old loops of a stack lie side by side: once the new
+ * one has gone they part too. */
+static void yci_change_leave(yci_change *w, const yci_cloth *cloth, int visit) {
+    int end[2], i, k, fresh = yci_change_is_new(cloth, visit);
+    end[0] = visit, end[1] = yci_change_partner(cloth, visit);
+    for (i = 0; i < 1 + (end[1] != end[0]); i++) {
+        const yci_crossing *at = w->crossing + w->s->visit_node[end[i]];
+        int stays = 0;
+        for (k = 0; k < at->count; k++)
+            if (at->visit[k] == end[i] || (fresh && stays++)) w->part[at->visit[k]] = 1;
+        w->touched[w->s->visit_node[end[i]]] = 1;
+    }
+}
+
+static void yci_change_mark_due(yci_change *w, const yci_due *e) {
+    const yci_cloth *cloth = w->s->cloth + e->cloth;
+    int i;
+    if (e->type == YC_EVENT_MERGE) {
+        if (w->drop[e->drop - 1] || w->drop[e->drop] || w->drop[e->drop + 1]) return;
+        w->drop[e->drop] = 1, w->touched[w->s->visit_node[e->drop]] = 1;
+        return;
+    }
+    for (i = 0; i < 2; i++)
+        if (e->leave[i] >= 0 &&
+            (w->touched[w->s->visit_node[e->leave[i]]] ||
+                w->touched[w->s->visit_node[yci_change_partner(cloth, e->leave[i])]]))
+            return;
+    i = yci_change_partner(cloth, e->leave[0]);
+    w->tell[i < e->leave[0] ? i : e->leave[0]] = (unsigned char)(1 + e->type);
+    for (i = 0; i < 2; i++)
+        if (e->leave[i] >= 0) yci_change_leave(w, cloth, e->leave[i]);
+}
+
 /* Marks what is due, in w unless that is NULL; returns 0 when nothing is. Segments whose nodes a visit leaves wait. */
 static int yci_change_mark(const yc_scene *s, yci_change *w) {
     const yci_model *m = s->model;
     int i, k, yarn, count = 0;
+    for (i = 0; i < m->due_count; i++) {
+        const yci_due *e = m->due + i;
+        if (s->u[e->b] - s->u[e->a] >= e->limit || (e->type == YC_EVENT_MERGE && !yci_change_pays(s, e))) continue;
+        count++;
+        if (w) yci_change_mark_due(w, e);
+    }
     for (i = 0; i < m->adjacent_count; i++) {
         const yci_adjacent *e = m->adjacent + i;
         if (e->drop < 0 || s->u[e->b] - s->u[e->a] >= e->limit) continue;
@@ -16595,6 +16824,7 @@ static int yci_change_mark(const yc_scene *s, yci_change *w) {
             for (k = y->yarn_first[yarn]; k + 1 < y->yarn_first[yarn + 1]; k++) {
                 int a = cloth->visit + k, due = yci_segment_due(s, cloth, yarn, k, &load);
                 if (!due || (w && (w->touched[s->visit_node[a]] || w->touched[s->visit_node[a + 1]]))) continue;
+                if (cloth->knit && yci_change_in_contact(y, k)) continue;
                 count++;
                 if (w && due == YCI_ADD_NODE) w->add[a] = YCI_ADD_NODE;
                 if (load > most) most = load, worst = a;
@@ -16609,6 +16839,13 @@ static int yci_change_spare(const yci_change *w, int node) { /* whether an event
     return !w->crossing[node].count && !w->s->pin[node] && !yci_is_sewn(w->s, node);
 }
 
+/* Whether all four visits of a stitch contact stay together. */
+static int yci_change_lasts(const yci_change *w, const yci_cloth *cloth, const yc_stitch_contact *at) {
+    int i, lasts = 1;
+    for (i = 0; i < 4; i++) lasts &= !w->part[cloth->visit + at->visit[i / 2][i % 2]];
+    return lasts;
+}
+
 /* Counts what each cloth will have and makes room for it. */
 static int yci_change_acquire(yci_change *w) {
     yc_scene *s = w->s;
@@ -16618,16 +16855,19 @@ static int yci_change_acquire(yci_change *w) {
     for (i = 0; i < s->cloth_count; i++) {
         const yci_cloth *cloth = s->cloth + i;
         const yc_yarns *y = &cloth->yarns;
-        int nodes = 0, yarns = 0, gone = 0;
-        for (k = cloth->visit; k < cloth->visit + y->visit_count; k++)
-            gone += w->drop[k], nodes += w->add[k], yarns += w->add[k] == YCI_ADD_BREAK;
-        if (nodes || gone) {
-            int fresh = nodes;
+        int nodes = 0, yarns = 0, gone = 0, parts = 0, told = 0, contacts = 0;
+        for (k = cloth->visit; k < cloth->visit + y->visit_count; k++) {
+            gone += w->drop[k], nodes += w->add[k] != 0, yarns += w->add[k] == YCI_ADD_BREAK;
+            parts += w->part[k], told += w->tell[k] > 0;
+        }
+        if (nodes || gone || parts) {
+            int fresh = nodes + parts;
             for (k = cloth->laid_nodes; k < y->node_count && fresh; k++) fresh -= yci_change_spare(w, cloth->node + k);
+            for (k = 0; k < y->contact_count; k++) contacts += yci_change_lasts(w, cloth, y->contacts + k);
             if (!yci_network_new(c, y, y->node_count + fresh, y->yarn_count + yarns, y->visit_count - gone + nodes,
-                    y->triangle != NULL, w->to + i))
+                    contacts, y->triangle != NULL, w->to + i))
                 return 0;
-            events += nodes + gone + w->to[i].yarn_count;
+            events += nodes + gone + parts + told + w->to[i].yarn_count;
         }
         w->node_count += w->to[i].owner ? w->to[i].node_count : y->node_count;
         w->visit_count += w->to[i].owner ? w->to[i].visit_count : y->visit_count;
@@ -16654,6 +16894,7 @@ static void yci_change_push(yci_change *w, int node, double laid, int layer, int
         to->visit_height[w->visit] = from < 0 ? 0.0 : y->visit_height[from - w->s->cloth[w->cloth].visit];
     if (to->visit_turn) to->visit_turn[w->visit] = from < 0 ? 0.0 : y->visit_turn[from - w->s->cloth[w->cloth].visit];
     w->visit_from[w->first_visit + w->visit] = from;
+    if (from >= 0) w->visit_to[from] = w->visit;
     w->visits[w->first_node + node]++, w->visit++;
 }
 
@@ -16670,20 +16911,27 @@ static void yci_cloth_weights(const yci_cloth *cloth, int triangle, const double
     weights[0] = 1.0 - weights[1] - weights[2];
 }
 
+/* The number of a new node. */
+static int yci_change_node(yci_change *w) {
+    const yci_cloth *cloth = w->s->cloth + w->cloth;
+    int node;
+    while (w->spare < cloth->yarns.node_count && !yci_change_spare(w, cloth->node + w->spare)) w->spare++;
+    node = w->spare < cloth->yarns.node_count ? w->spare++ : w->fresh++;
+    w->node_from[w->first_node + node] = -1;
+    return node;
+}
+
 /* A new node and its visit, in the middle of the segment behind visit k. */
 static int yci_change_middle(yci_change *w, int k) {
     const yci_cloth *cloth = w->s->cloth + w->cloth;
     const yc_yarns *y = &cloth->yarns;
     yc_yarns *to = w->to + w->cloth;
-    int a = y->visit_node[k], b = y->visit_node[k + 1], node, i;
-    while (w->spare < y->node_count && !yci_change_spare(w, cloth->node + w->spare)) w->spare++;
-    node = w->spare < y->node_count ? w->spare++ : w->fresh++;
+    int a = y->visit_node[k], b = y->visit_node[k + 1], node = yci_change_node(w), i;
     for (i = 0; i < 3; i++) to->layout[node][i] = 0.5 * (y->layout[a][i] + y->layout[b][i]);
     if (to->triangle) {
         to->triangle[node] = y->triangle[a];
         yci_cloth_weights(cloth, to->triangle[node], to->layout[node], to->weights[node]);
     }
-    w->node_from[w->first_node + node] = -1;
     yci_change_push(w, node, 0.5 * (y->visit_u[k] + y->visit_u[k + 1]), 0, 1, -1 - (cloth->visit + k));
     return node;
 }
@@ -16691,7 +16939,9 @@ static int yci_change_middle(yci_change *w, int k) {
 /* The yarn, by its number now, of a visit. */
 static int yci_change_yarn_of(const yci_change *w, int visit) {
     const yci_crossing *at = w->crossing + w->s->visit_node[visit];
-    return at->yarn[at->visit[0] != visit];
+    int k = 0;
+    while (at->visit[k] != visit) k++;
+    return at->yarn[k];
 }
 
 /* Writes visits k to `last` as part of yarn `yarn`, up to a break; `next` is the yarn that begins there. */
@@ -16701,7 +16951,15 @@ static void yci_change_run(yci_change *w, int yarn, int next, int k, int last) {
     for (; k <= last; k++) {
         int from = cloth->visit + k, node = y->visit_node[k];
         const yci_crossing *at = w->crossing + cloth->node + node;
-        if (!w->drop[from]) yci_change_push(w, node, y->visit_u[k], y->visit_layer[k], y->visit_held[k], from);
+        if (w->tell[from])
+            yci_change_event(w, (yc_event_type)(w->tell[from] - 1), yarn,
+                w->tell[from] - 1 == YC_EVENT_RELEASE ? at->yarn[at->visit[0] == from] : -1, node);
+        if (w->part[from]) {
+            int own = yci_change_node(w);
+            yci_copy(w->to[w->cloth].layout[own], y->layout[node]);
+            yci_change_event(w, YC_EVENT_PART, yarn, own, node);
+            yci_change_push(w, own, y->visit_u[k], y->visit_layer[k], y->visit_held[k], from);
+        } else if (!w->drop[from]) yci_change_push(w, node, y->visit_u[k], y->visit_layer[k], y->visit_held[k], from);
         else if (at->count < 2) yci_change_event(w, YC_EVENT_MERGE, yarn, -1, node);
         else yci_change_event(w, YC_EVENT_RELEASE, yarn, at->yarn[at->visit[0] == from], node);
         if (!w->add[from]) continue;
@@ -16753,9 +17011,19 @@ static int yci_change_crosses(
     const yc_yarns *y = before ? &cloth->yarns : w->to + w->cloth;
     int k, found = 0;
     for (k = y->yarn_first[yarn]; k < y->yarn_first[yarn + 1] && !found; k++)
-        found = before ? w->crossing[cloth->node + y->visit_node[k]].count == 2
-                       : w->visits[w->first_node + y->visit_node[k]] == 2;
+        found = (before ? w->crossing[cloth->node + y->visit_node[k]].count
+                        : w->visits[w->first_node + y->visit_node[k]]) > 1;
     return found;
+}
+
+/* The layer of a visit among those that stay at its node: of n, which are sorted, from 1 - n to n - 1. */
+static int yci_change_layer(const yci_change *w, int visit) {
+    const yci_crossing *at = w->crossing + w->s->visit_node[visit];
+    int k, layer = 0, side = 1;
+    for (k = 0; k < at->count && !w->part[visit]; k++)
+        if (at->visit[k] == visit) side = -1;
+        else if (!w->part[at->visit[k]] && !w->drop[at->visit[k]]) layer += side;
+    return layer;
 }
 
 /* Writes the network to come of w->cloth. */
@@ -16764,7 +17032,7 @@ static void yci_change_write(yci_change *w) {
     const yc_yarns *y = &cloth->yarns;
     yc_yarns *to = w->to + w->cloth;
     size_t nodes = (size_t)y->node_count;
-    int k, yarn, from;
+    int k, yarn, from, contacts = 0;
     memcpy(to->layout, y->layout, nodes * sizeof *y->layout);
     if (to->triangle) {
         memcpy(to->triangle, y->triangle, nodes * sizeof *y->triangle);
@@ -16775,9 +17043,17 @@ static void yci_change_write(yci_change *w) {
     for (k = 0; k < to->visit_count; k++) {
         from = w->visit_from[w->first_visit + k];
         if (from < 0 || !w->touched[w->s->visit_node[from]]) continue;
-        to->visit_layer[k] = 0;
+        to->visit_layer[k] = (signed char)yci_change_layer(w, from);
+        if (w->visits[w->first_node + to->visit_node[k]] > 1) continue;
         if (to->visit_height) to->visit_height[k] = 0.0;
         if (!to->visit_held[k]) to->visit_held[k] = 1;
+    }
+    for (k = 0; k < y->contact_count; k++) {
+        yc_stitch_contact *at = to->contacts + contacts;
+        if (!yci_change_lasts(w, cloth, y->contacts + k)) continue;
+        *at = y->contacts[k], contacts++;
+        for (from = 0; from < 4; from++)
+            at->visit[from / 2][from % 2] = w->visit_to[cloth->visit + at->visit[from / 2][from % 2]];
     }
     for (yarn = 0; yarn < to->yarn_count; yarn++) {
         int first = to->yarn_first[yarn], last = to->yarn_first[yarn + 1] - 1;
@@ -16861,10 +17137,10 @@ static void yci_change_fill(const yci_change *w, const yci_change_state *to, int
     if (to->z) to->z[visit] = 0.5 * (yci_rise(s, a) + yci_rise(s, b));
 }
 
-/* The segment between visits i and i + 1 to come; `shift` leads from nodes now to nodes to come. First masses follow
- * it, then what it lacks of its former momentum goes to its ends. */
-static void yci_change_segment(
-    yci_change *w, const yci_change_state *to, int i, int shift, double density, int masses) {
+/* The segment between visits i and i + 1 to come, `node` is where they go; `shift` leads from nodes now to nodes to
+ * come. First masses follow it, then what it lacks of its former momentum goes to its ends. */
+static void yci_change_segment(yci_change *w, const yci_change_state *to, int i, const int *node, int first, int shift,
+    double density, int masses) {
     const yc_scene *s = w->s;
     int a = w->visit_from[i], b = w->visit_from[i + 1], k, end[2];
     double lost[3] = {0.0, 0.0, 0.0}, after[3] = {0.0, 0.0, 0.0}, half, sum = 0.0;
@@ -16873,7 +17149,7 @@ static void yci_change_segment(
         if (masses) w->mass[s->visit_node[a < 0 ? b : a] + shift] -= 0.25 * density * (s->u[k + 1] - s->u[k]);
         return;
     }
-    end[0] = s->visit_node[a] + shift, end[1] = s->visit_node[b] + shift;
+    end[0] = first + node[0], end[1] = first + node[1];
     if (masses) {
         for (k = a; k < b; k++) {
             half = 0.5 * density * (s->u[k + 1] - s->u[k]);
@@ -16888,7 +17164,7 @@ static void yci_change_segment(
     yci_axpy(lost, -1.0, after);
     for (k = 0; k < 2; k++) {
         int alone = w->visits[end[k]] == 1 || w->visits[end[!k]] > 1;
-        half = alone && !s->model->held[w->node_from[end[k]]] ? 1.0 : 0.0;
+        half = alone && (w->node_from[end[k]] < 0 || !s->model->held[w->node_from[end[k]]]) ? 1.0 : 0.0;
         if (half > 0.0) sum += w->mass[end[k]];
         else end[k] = -1;
     }
@@ -16910,12 +17186,17 @@ static void yci_change_motion(yci_change *w, const yci_change_state *to) {
                 for (k = y->yarn_first[yarn]; k < y->yarn_first[yarn + 1]; k++) {
                     int from = w->visit_from[visit + k];
                     if (!pass && from < 0) yci_change_fill(w, to, visit + k, node + y->visit_node[k]);
-                    else if (!pass && w->touched[s->visit_node[from]]) {
+                    else if (!pass && w->touched[s->visit_node[from]] && w->visits[node + y->visit_node[k]] == 1) {
                         to->slide[visit + k] = 0.0;
                         if (to->z) to->z[visit + k] = yci_rise(s, from);
                     }
+                    if (!pass && from >= 0 && w->part[from]) {
+                        yci_copy(to->x + 3 * (node + y->visit_node[k]), s->x + 3 * s->visit_node[from]);
+                        yci_copy(to->velocity + 3 * (node + y->visit_node[k]), s->velocity + 3 * s->visit_node[from]);
+                    }
                     if (pass && k + 1 < y->yarn_first[yarn + 1])
-                        yci_change_segment(w, to, visit + k, node - cloth->node, density, pass == 1);
+                        yci_change_segment(
+                            w, to, visit + k, y->visit_node + k, node, node - cloth->node, density, pass == 1);
                 }
             }
             node += y->node_count, visit += y->visit_count;
@@ -16952,13 +17233,15 @@ static yc_result yci_change_networks(yc_scene *s) {
     memset(&w, 0, sizeof w);
     w.s = s;
     w.drop = YCI_NEW(c, unsigned char, s->visits), w.add = YCI_NEW(c, unsigned char, s->visits);
+    w.part = YCI_NEW(c, unsigned char, s->visits), w.tell = YCI_NEW(c, unsigned char, s->visits);
+    w.visit_to = YCI_NEW(c, int, s->visits);
     w.touched = YCI_NEW(c, unsigned char, s->nodes), w.crossing = YCI_NEW(c, yci_crossing, s->nodes);
     w.room = YCI_NEW(c, int, 2 * (size_t)s->visits);
     w.to = YCI_NEW(c, yc_yarns, s->cloth_count);
-    ok = w.drop && w.add && w.touched && w.crossing && w.room && w.to;
+    ok = w.drop && w.add && w.part && w.tell && w.visit_to && w.touched && w.crossing && w.room && w.to;
     for (i = 0; ok && i < s->cloth_count; i++)
         yci_crossing_fill(w.crossing, &s->cloth[i].yarns, s->visit_node + s->cloth[i].visit, s->cloth[i].visit,
-            w.room + 2 * s->cloth[i].visit);
+            s->cloth[i].knit, w.room + 2 * s->cloth[i].visit);
     if (ok) yci_change_mark(s, &w), ok = yci_change_acquire(&w);
     if (ok) {
         int nodes = s->node_room > w.node_count ? s->node_room : w.node_count;
@@ -16974,8 +17257,8 @@ static yc_result yci_change_networks(yc_scene *s) {
         yci_change_commit(&w, grow, arrays);
     }
     for (i = 0; w.to && i < s->cloth_count; i++) yci_free(c, w.to[i].owner);
-    yci_free(c, w.drop), yci_free(c, w.add), yci_free(c, w.touched), yci_free(c, w.crossing), yci_free(c, w.room),
-        yci_free(c, w.to);
+    yci_free(c, w.drop), yci_free(c, w.add), yci_free(c, w.part), yci_free(c, w.tell), yci_free(c, w.visit_to);
+    yci_free(c, w.touched), yci_free(c, w.crossing), yci_free(c, w.room), yci_free(c, w.to);
     yci_free(c, w.node_from), yci_free(c, w.visit_from), yci_free(c, w.visits), yci_free(c, w.mass);
     return ok ? YC_OK : yci_out_of_memory(c, "a change of yarns");
 }
@@ -17037,8 +17320,8 @@ static size_t yci_state_size(yc_scene *s, int nodes, int visits) {
 /* Behind them, one network: its counts, then its arrays. */
 static size_t yci_state_network(const yc_yarns *y, int way, char *buffer, size_t at) {
     yci_network_part part[YCI_NETWORK_PARTS];
-    int count[3], i;
-    count[0] = y->node_count, count[1] = y->yarn_count, count[2] = y->visit_count;
+    int count[4], i;
+    count[0] = y->node_count, count[1] = y->yarn_count, count[2] = y->visit_count, count[3] = y->contact_count;
     yci_state_move(way, buffer, &at, count, sizeof count);
     yci_network_parts(y, part);
     for (i = 0; i < YCI_NETWORK_PARTS; i++) yci_state_move(way, buffer, &at, part[i].data, part[i].bytes);
@@ -17055,7 +17338,7 @@ static size_t yci_state_networks(const yc_scene *s, int way, char *buffer, size_
 static void yci_state_head_make(const yc_scene *s, yci_state_head *head) {
     int i;
     memset(head, 0, sizeof *head);
-    memcpy(head->magic, "yarnst02", 8);
+    memcpy(head->magic, "yarnst03", 8);
     head->vertices = s->vertices, head->nodes = s->nodes, head->visits = s->visits, head->cloths = s->cloth_count;
     head->crimped = s->crimped, head->rubs = s->rubs;
     head->seams = s->seam_count, head->bodies = s->body_count, head->time = s->time, head->dt = s->dt;
@@ -17115,7 +17398,7 @@ static yc_result yci_state_take(yc_scene *s, const yci_cloth *cloth, const char 
     const char *u, int visits, yc_yarns *out) {
     yci_context *c = &s->c;
     const yc_mesh *mesh = cloth->desc.mesh.vertex_count ? &cloth->desc.mesh : NULL;
-    int count[3], i;
+    int count[4], i;
     size_t bytes;
     double *laid;
     char why[YC_MESSAGE_SIZE];
@@ -17126,7 +17409,9 @@ static yc_result yci_state_take(yc_scene *s, const yci_cloth *cloth, const char 
         if (count[i] < 1 || (size_t)count[i] > size || count[0] < cloth->laid_nodes || count[2] > visits)
             return YCI_FAIL(c, YC_ERROR_PARSE, "a network of the state has %d nodes, %d yarns, %d visits", count[0],
                 count[1], count[2]);
-    if (!yci_network_new(c, &cloth->yarns, count[0], count[1], count[2], mesh != NULL, out))
+    if (count[3] < 0 || (size_t)count[3] > size || (count[3] && !cloth->knit))
+        return YCI_FAIL(c, YC_ERROR_PARSE, "a network of the state has %d stitch contacts", count[3]);
+    if (!yci_network_new(c, &cloth->yarns, count[0], count[1], count[2], count[3], mesh != NULL, out))
         return yci_out_of_memory(c, "a state");
     if (yci_state_network(out, YCI_STATE_ASK, NULL, *at) > size)
         return YCI_FAIL(c, YC_ERROR_PARSE, "the state ends within a network");
@@ -17139,6 +17424,7 @@ static yc_result yci_state_take(yc_scene *s, const yci_cloth *cloth, const char 
     if (!laid) return yci_out_of_memory(c, "a state");
     memcpy(laid, out->visit_u, bytes), memcpy(out->visit_u, u, bytes);
     result = yci_yarns_check(c, out, mesh);
+    if (result == YC_OK && count[3]) result = yci_knit_check_stacks(c, out);
     memcpy(out->visit_u, laid, bytes);
     yci_free(c, laid);
     if (result == YC_OK || result == YC_ERROR_MEMORY) return result;
@@ -17571,7 +17857,7 @@ static yc_result yci_rest_scene(
     settings.dt_max = 10.0 * *period, settings.dt_min = 1e-6 * *period, settings.mass_damping = 0.05 / *period;
     settings.tolerance = 1e-4 * plain.materials[0].radius, settings.newton_limit = 25;
     settings.solver = YC_SOLVER_DIRECT;
-    cloth.yarns = &plain;
+    cloth.yarns = &plain, cloth.hold_network = 1;
     result = yc_scene_create(host, &settings, out, c->message);
     if (result == YC_OK) result = yc_scene_add_cloth(*out, &cloth, NULL);
     if (result != YC_OK && *out) yci_say(c, "%s", yc_scene_message(*out));

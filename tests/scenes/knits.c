@@ -29,7 +29,7 @@ static yc_result begin(scene_knit *k, char *message) {
     settings.dt_max = 10.0 * k->period, settings.dt_min = 1e-6 * k->period, settings.mass_damping = 0.2 / k->period;
     settings.tolerance = 2e-3 * yarn->radius, settings.newton_limit = 25;
     settings.solver = YC_SOLVER_DIRECT;
-    cloth.yarns = y;
+    cloth.yarns = y, cloth.hold_network = 1;
     k->start = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->start);
     k->x = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->x);
     if (!k->start || !k->x) return YC_ERROR_MEMORY;
@@ -124,4 +124,76 @@ scene_knit_shape scene_knit_look(const scene_knit *k) {
     s.flat = fmax(s.flat, flat);
     for (i = 0; i < 2; i++) s.side[i] = -s.side[i];
     return s;
+}
+
+/* ---- unravelling ---- */
+
+void scene_unravel_free(scene_unravel *u) {
+    if (!u) return;
+    yc_scene_destroy(u->scene), yc_yarns_destroy(&u->yarns), yc_chart_destroy(&u->chart);
+    free(u);
+}
+
+/* How the yarn turns where it is laid, which is how fibres set. */
+static void set_turns(yc_yarns *y) {
+    int v, i;
+    for (v = 1; v + 1 < y->visit_count; v++) {
+        const double *a = y->layout[y->visit_node[v - 1]], *b = y->layout[y->visit_node[v]],
+                     *c = y->layout[y->visit_node[v + 1]];
+        double p[3], q[3], cosine = 0.0;
+        for (i = 0; i < 3; i++) p[i] = b[i] - a[i], q[i] = c[i] - b[i], cosine += p[i] * q[i];
+        y->visit_turn[v] = fabs(atan2(p[0] * q[1] - p[1] * q[0], cosine));
+    }
+}
+
+static yc_result hang(scene_unravel *u, const yc_host *host, char *message) {
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    const yc_yarns *y = &u->yarns;
+    int i;
+    yc_result result;
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    settings.dt_max = 2e-3, settings.mass_damping = 20.0, settings.solver = YC_SOLVER_DIRECT;
+    cloth.yarns = y;
+    result = yc_scene_create(host, &settings, &u->scene, message);
+    if (result != YC_OK) return result;
+    result = yc_scene_add_cloth(u->scene, &cloth, NULL);
+    for (i = 0; result == YC_OK && i < y->node_count; i++)
+        if (y->layout[i][1] < 0.9 / u->desc.courses) result = yc_scene_pin(u->scene, 0, YC_NODE, i, NULL);
+    if (result != YC_OK && message) snprintf(message, YC_MESSAGE_SIZE, "%s", yc_scene_message(u->scene));
+    return result;
+}
+
+scene_unravel *scene_unravel_new(const yc_host *host, const char *rows, int stitches, int row_count, char *message) {
+    scene_unravel *u = (scene_unravel *)calloc(1, sizeof *u);
+    const yc_yarns *y = &u->yarns;
+    yc_result result;
+    if (!u) return NULL;
+    u->desc = yc_knit_desc_default();
+    u->desc.stitches = stitches, u->desc.rows = row_count, u->desc.live = 1;
+    result = yc_chart_read(NULL, rows, strlen(rows), NULL, &u->chart, message);
+    u->desc.chart = &u->chart;
+    if (result == YC_OK) result = yc_knit(NULL, &u->desc, &u->yarns, message);
+    if (result == YC_OK) set_turns(&u->yarns), result = hang(u, host, message);
+    if (result != YC_OK) {
+        scene_unravel_free(u);
+        return NULL;
+    }
+    u->tip = y->visit_node[y->visit_count - 1];
+    memcpy(u->from, y->layout[u->tip], sizeof u->from);
+    u->way = u->from[0] > y->layout[y->visit_node[y->visit_count - 2]][0] ? 1.0 : -1.0;
+    u->loop = (y->visit_u[y->visit_count - 1] - y->visit_u[0]) / (stitches * (row_count + 1));
+    return u;
+}
+
+yc_result scene_unravel_pull(scene_unravel *u, double distance, double seconds, yc_stats *stats) {
+    double at[3], force[3] = {0.0, 0.0, 0.0};
+    yc_result result;
+    memcpy(at, u->from, sizeof at);
+    at[0] += u->way * (u->pulled + distance);
+    result = yc_scene_pin(u->scene, 0, YC_NODE, u->tip, at);
+    if (result == YC_OK) result = yc_scene_step(u->scene, seconds, stats);
+    if (result == YC_OK) result = yc_scene_pin_force(u->scene, 0, YC_NODE, u->tip, force);
+    if (result == YC_OK) u->pulled += distance, u->force = u->way * force[0];
+    return result;
 }

@@ -1,4 +1,4 @@
-/* Pieces of knitting that are left to themselves: they curl, draw in or lie flat. Shared by tests, benchmarks and
+/* Pieces of knitting that are left to themselves: they curl, draw in or lie flat; or that are unravelled. Shared by tests, benchmarks and
  * pictures. SI units and radians. */
 #ifndef SCENES_KNITS_H
 #define SCENES_KNITS_H
@@ -38,5 +38,25 @@ typedef struct scene_knit_shape {
     double flat; /* the range of directions in the middle half, across or along, whichever is larger */
 } scene_knit_shape;
 scene_knit_shape scene_knit_look(const scene_knit *knit);
+
+/* A piece that was not bound off, held by its cast-on in the xy plane, as the yarn was set when it was worked. Its end
+ * is drawn off sideways. */
+typedef struct scene_unravel {
+    yc_chart chart;
+    yc_knit_desc desc;
+    yc_yarns yarns; /* as it was put in */
+    yc_scene *scene;
+    double loop;         /* m of yarn in a stitch */
+    int tip;             /* the node that is pulled, */
+    double from[3], way; /* from there, to the right, +1, or to the left, -1 */
+    double pulled;       /* m */
+    double force;        /* N, on the tip, in the last step */
+} scene_unravel;
+
+/* host and message may be NULL. NULL when memory is out or the library refuses. */
+scene_unravel *scene_unravel_new(const yc_host *host, const char *rows, int stitches, int row_count, char *message);
+/* Draws the tip on by `distance` in `seconds`. */
+yc_result scene_unravel_pull(scene_unravel *u, double distance, double seconds, yc_stats *stats);
+void scene_unravel_free(scene_unravel *u);
 
 #endif
