@@ -13304,6 +13304,7 @@ typedef struct yci_local {
 #define YCI_TAIL 0.15         /* pitches: a yarn's end slides out of a crossing that is closer */
 #define YCI_LONG 2.0          /* pitches: a longer segment gets a node */
 #define YCI_SLIP 1.0          /* pitches: a loop of a knit slips out of others when its head is shorter */
+#define YCI_NOTHING 0.01      /* pitches: so much of it goes wherever it must */
 #define YCI_SHORT 0.7         /* pitches: so much of a knit's loose yarn needs no node in it */
 
 #define YCI_ARRAY(type, name) \
@@ -14320,7 +14321,8 @@ static void yci_build_tail(const yci_build *b, int yarn, int lone, int slider, y
     int node = b->cloth->node + y->visit_node[goes];
     if (b->cloth->desc.hold_network || (end && y->visit_held[lone] > 1)) return;
     e->limit = YCI_TAIL * b->cloth->pitch[y->yarn_family[yarn]];
-    e->floor = yci_min(e->floor, 0.2 * e->limit);
+    e->floor = 0.2 * e->limit;
+    if (b->cloth->knit && !end) e->floor = 0.5 * YCI_NOTHING * b->cloth->pitch[y->yarn_family[yarn]];
     if (b->cloth->knit || b->m->held[node] || yci_is_sewn(b->s, node)) return;
     if (end || (yci_build_full(b, lone - 1) && yci_build_full(b, lone + 1))) e->drop = b->cloth->visit + goes;
 }
@@ -14683,7 +14685,8 @@ static int yci_build_due_alone(
         int next = v + side;
         if (next < first || next > last || crossing[y->visit_node[next]].count < 2) continue;
         if (end && !yci_build_may_leave(b, role, next)) continue;
-        e = yci_build_push_due(b, yarn, v, next, end ? YC_EVENT_RELEASE : YC_EVENT_MERGE, YCI_TAIL);
+        e = yci_build_push_due(
+            b, yarn, v, next, end ? YC_EVENT_RELEASE : YC_EVENT_MERGE, end ? YCI_TAIL : 0.5 * YCI_SHORT);
         if (!e) return 0;
         if (end) e->leave[0] = b->cloth->visit + next;
         else e->drop = b->cloth->visit + v, e->limit = yci_min(e->limit, 0.5 * fabs(y->visit_u[next] - y->visit_u[v]));
@@ -16738,14 +16741,17 @@ static double yci_change_energy(const yc_scene *s, const yci_cloth *cloth, int y
 static int yci_change_pays(const yc_scene *s, const yci_due *e) {
     const yci_cloth *cloth = s->cloth + e->cloth;
     const int *first = cloth->yarns.yarn_first + e->yarn;
+    const yc_yarn_material *material = cloth->yarns.materials + cloth->yarns.yarn_material[e->yarn];
     int with[5], without[4], i, n = 0, m = 0;
-    if (e->b == e->a + 1 && s->u[e->b] - s->u[e->a] < 0.35 * e->limit) return 1;
+    double pitch = cloth->pitch[cloth->yarns.yarn_family[e->yarn]], cost;
     for (i = e->drop - 2; i <= e->drop + 2; i++) {
         if (i < cloth->visit + first[0] || i >= cloth->visit + first[1]) continue;
         with[n++] = i;
         if (i != e->drop) without[m++] = i;
     }
-    return yci_change_energy(s, cloth, e->yarn, without, m) <= yci_change_energy(s, cloth, e->yarn, with, n);
+    cost = yci_change_energy(s, cloth, e->yarn, without, m) - yci_change_energy(s, cloth, e->yarn, with, n);
+    if (e->b > e->a + 1) return cost <= 0.0;
+    return cost <= 0.1 * material->bending / pitch || s->u[e->b] - s->u[e->a] < YCI_NOTHING * pitch;
 }
 
 /* The other end of the stitch contacts that a visit lies in; itself where it lies in none. By the scene's numbers. */
@@ -16857,7 +16863,7 @@ static int yci_change_acquire(yci_change *w) {
         const yc_yarns *y = &cloth->yarns;
         int nodes = 0, yarns = 0, gone = 0, parts = 0, told = 0, contacts = 0;
         for (k = cloth->visit; k < cloth->visit + y->visit_count; k++) {
-            gone += w->drop[k], nodes += w->add[k] != 0, yarns += w->add[k] == YCI_ADD_BREAK;
+            gone += w->drop[k], nodes += w->add[k], yarns += w->add[k] == YCI_ADD_BREAK;
             parts += w->part[k], told += w->tell[k] > 0;
         }
         if (nodes || gone || parts) {

@@ -120,3 +120,127 @@ static void unravel(const char *rows, int stitches, int row_count, double share)
 TEST(knit_unravels_stockinette) { unravel(scene_stockinette, 8, 4, 0.2); }
 TEST(knit_unravels_garter) { unravel(scene_garter, 4, 3, 0.3); }
 TEST(knit_unravels_rib) { unravel(scene_rib, 4, 3, 0.3); }
+
+/* A decrease whose loop comes out lets all the loops go that it held together. */
+TEST(knit_unravels_decreases) {
+    static const char text[] = "pattern: a\nRow 1 (RS): k2, k3tog, k2.\n";
+    scene_unravel *u = scene_unravel_new(NULL, text, 7, 1, NULL);
+    double mass;
+    int step, i, n, slipped = 0, parts[5] = {0}, ok = u != NULL;
+    if (!CHECK(ok)) return;
+    mass = mass_of(u->scene);
+    for (step = 0; step < 100 && ok && slipped < 5; step++) {
+        const yc_event *e;
+        int slips = 0;
+        ok = CHECK_RESULT(scene_unravel_pull(u, 2e-3, 1e-2, NULL), YC_OK) && sound(u->scene, mass);
+        e = yc_scene_events(u->scene, &n);
+        for (i = 0; i < n; i++) slips += e[i].type == YC_EVENT_SLIP;
+        for (i = 0; i < n && slips == 1; i++) parts[slipped] += e[i].type == YC_EVENT_PART;
+        slipped += slips;
+    }
+    printf("   parts:");
+    for (i = 0; i < 5; i++) printf(" %d", parts[i]);
+    printf("; %.1f mm\n", 1e3 * u->pulled);
+    CHECK(slipped == 5 && parts[0] == 4 && parts[1] == 4 && parts[2] == 12);
+    scene_unravel_free(u);
+}
+
+/* ---- a chain -------------------------------------------------------------------------------------------------- */
+
+/* A bound-off piece, its end not secured. Drawn back out of the last loop of the chain, it frees that one, whose stack
+ * of an older one of the chain and a loop of the row it then leaves, and so on to the first. */
+TEST(knit_unravels_chain) {
+    yc_knit_desc d = yc_knit_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_yarns y;
+    yc_scene *scene;
+    double mass, at[3];
+    int step, i, n, node, slipped = 0, released = 0, parted = 0, last = 0, ok = 1;
+    d.stitches = 4, d.rows = 2;
+    if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
+    y.visit_held[y.visit_count - 1] = 1;
+    node = y.visit_node[y.visit_count - 4]; /* between the last loop and the end that is drawn through it */
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    settings.mass_damping = 20.0, settings.dt_max = 2e-3, cloth.yarns = &y;
+    scene = test_scene_of(&settings, &cloth);
+    if (!scene) return;
+    mass = mass_of(scene);
+    for (i = 0; i < d.stitches; i++) yc_scene_pin(scene, 0, YC_NODE, i, NULL); /* the first row */
+    memcpy(at, y.layout[node], sizeof at);
+    for (step = 0; step < 100 && ok && slipped < 4; step++) {
+        const yc_event *e;
+        at[0] -= 2e-3, at[2] -= 1e-3;
+        CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, node, at), YC_OK);
+        ok = CHECK_RESULT(yc_scene_step(scene, 1e-2, NULL), YC_OK) && sound(scene, mass);
+        e = yc_scene_events(scene, &n);
+        for (i = 0; i < n; i++) {
+            parted += e[i].type == YC_EVENT_PART;
+            if (e[i].type == YC_EVENT_RELEASE) CHECK(released++ == 0 && slipped == 0 && e[i].other == 0);
+            if (e[i].type != YC_EVENT_SLIP) continue;
+            CHECK(released == 1);
+            if (slipped++) CHECK(e[i].node == last - 4);
+            last = e[i].node;
+        }
+    }
+    printf("   %d loops, %d parts, %d steps\n", slipped, parted, step);
+    CHECK(released == 1 && slipped == 4 && parted == 2 + 3 * 8 + 4);
+    yc_scene_destroy(scene), yc_yarns_destroy(&y);
+}
+
+/* ---- a break -------------------------------------------------------------------------------------------------- */
+
+/* The head of a loop is torn in the middle of a piece that is then stretched sideways: its ends slide out, the loop
+ * below it is drawn open and slips out of the one below that, and so on down to the cast-on. */
+TEST(knit_runs_where_it_breaks) {
+    yc_knit_desc d = yc_knit_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_yarns y;
+    yc_scene *scene;
+    double mass, at[3], high = 0.0;
+    int step, i, k, n, torn[2], broken = 0, slipped = 0, released = 0, ok = 1;
+    d.stitches = 5, d.rows = 5, d.yarn.strength = 2.0, d.yarn.friction = 0.1;
+    if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    settings.mass_damping = 20.0, settings.dt_max = 2e-3, cloth.yarns = &y;
+    scene = test_scene_of(&settings, &cloth);
+    if (!scene) return;
+    mass = mass_of(scene);
+    for (i = 0; i < y.node_count; i++) high = fmax(high, y.layout[i][0]);
+    for (k = 0; k < 2; k++)
+        for (torn[k] = i = 0; i < y.node_count; i++) { /* both B of the middle loop, which row 4 is drawn through */
+            double best[3], dx, dy, w = 1.0 / d.wales, h = 1.0 / d.courses;
+            memcpy(best, y.layout[torn[k]], sizeof best);
+            dx = 0.5 * high + (k ? 0.15 : -0.15) * w, dy = 4.2 * h;
+            if (hypot(y.layout[i][0] - dx, y.layout[i][1] - dy) < hypot(best[0] - dx, best[1] - dy)) torn[k] = i;
+        }
+    for (step = 0; step < 150 && ok; step++) {
+        const yc_event *e;
+        for (i = 0; i < y.node_count; i++) {
+            int side = y.layout[i][0] < 0.15 * high ? -1 : y.layout[i][0] > 0.85 * high ? 1 : 0;
+            if (!side && y.layout[i][1] > 0.5 / d.courses) continue;
+            memcpy(at, y.layout[i], sizeof at);
+            if (side && y.layout[i][1] > 0.5 / d.courses) at[0] += side * 1e-4 * (step < 20 ? 0 : step - 20);
+            CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, i, at), YC_OK);
+        }
+        for (k = 0; k < 2 && !broken; k++) {
+            memcpy(at, y.layout[torn[k]], sizeof at);
+            at[0] += (k ? 1.0 : -1.0) * 5e-5 * step;
+            CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, torn[k], at), YC_OK);
+        }
+        ok = CHECK_RESULT(yc_scene_step(scene, 1e-2, NULL), YC_OK) && sound(scene, mass);
+        e = yc_scene_events(scene, &n);
+        for (i = 0; i < n; i++) {
+            if (e[i].type != YC_EVENT_PART && e[i].type != YC_EVENT_SPLIT && e[i].type != YC_EVENT_MERGE)
+                printf("   step %d %s yarn %d other %d node %d\n", step, yc_event_name(e[i].type), e[i].yarn, e[i].other,
+                    e[i].node);
+            broken += e[i].type == YC_EVENT_BREAK, released += e[i].type == YC_EVENT_RELEASE;
+            slipped += e[i].type == YC_EVENT_SLIP;
+        }
+        for (k = 0; k < 2 && broken; k++)
+            if (scene->pin[torn[k]]) yc_scene_unpin(scene, 0, YC_NODE, torn[k]);
+    }
+    CHECK(broken == 1 && released >= 2 && slipped >= 2);
+    yc_scene_destroy(scene), yc_yarns_destroy(&y);
+}

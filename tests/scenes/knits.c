@@ -158,8 +158,8 @@ static yc_result hang(scene_unravel *u, const yc_host *host, char *message) {
     result = yc_scene_create(host, &settings, &u->scene, message);
     if (result != YC_OK) return result;
     result = yc_scene_add_cloth(u->scene, &cloth, NULL);
-    for (i = 0; result == YC_OK && i < y->node_count; i++)
-        if (y->layout[i][1] < 0.9 / u->desc.courses) result = yc_scene_pin(u->scene, 0, YC_NODE, i, NULL);
+    for (i = 0; result == YC_OK && i < u->desc.stitches; i++) /* where the legs of the first row cross */
+        result = yc_scene_pin(u->scene, 0, YC_NODE, i, NULL);
     if (result != YC_OK && message) snprintf(message, YC_MESSAGE_SIZE, "%s", yc_scene_message(u->scene));
     return result;
 }
