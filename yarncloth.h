@@ -6,7 +6,7 @@
  *                            #include "yarncloth.h"
  *   Everywhere else:         #include "yarncloth.h"
  *
- * DOES NOT (yet): unravel knits, lay them over a mesh or mix them with triangles; homogenised volumes, GPU, single
+ * DOES NOT (yet): lay knits over a mesh or mix them with triangles; homogenised volumes, GPU, single
  * precision, changing the yarn region while a scene runs, contact of yarns in one layer beyond what the weave gives.
  *
  * HELLO. A 20 cm swatch, held at two corners, swings for a second; see examples/hello.c, which is this text:
@@ -934,10 +934,11 @@ YC_API yc_result yc_scene_step(yc_scene *scene, double dt, yc_stats *stats);
 /* How the yarn networks of a scene change while it runs, where their yarns are free of triangles. */
 typedef enum yc_event_type {
     YC_EVENT_RELEASE, /* `yarn` has slid out of its crossing with `other` at `node`, which stays a node of that alone */
-    YC_EVENT_MERGE,   /* `node`, which `yarn` visited alone, came too close to a crossing and is left out of the yarn */
-    YC_EVENT_SPLIT,   /* a segment of `yarn` has become long: `node` is new in its middle */
-    YC_EVENT_BREAK,   /* `yarn` broke: it ends in the new `node`, what is beyond it is the new yarn `other` */
-    YC_EVENT_LOOSE,   /* `yarn` crosses no other any more; node is -1 */
+    /* `node`, which `yarn` visited alone, came too close to a crossing, or lies in loose yarn, and is left out */
+    YC_EVENT_MERGE,
+    YC_EVENT_SPLIT, /* a segment of `yarn` has become long: `node` is new in its middle */
+    YC_EVENT_BREAK, /* `yarn` broke: it ends in the new `node`, what is beyond it is the new yarn `other` */
+    YC_EVENT_LOOSE, /* `yarn` crosses no other any more; node is -1 */
     /* of knits: */
     YC_EVENT_SLIP, /* a loop of `yarn` has slipped out of those it was drawn through, there at `node`, or fallen open */
     YC_EVENT_PART, /* yarns at `node` have come apart: `yarn` goes on through the new node `other`, in the same place */
@@ -959,6 +960,12 @@ typedef struct yc_event {
  * - a free end that is closer than 0.15 pitch, in u, to its crossing slides out of it, and a lone node so close to a
  *   crossing is left out;
  * - a segment longer than twice its pitch, and than twice what was laid there, gets a node;
+ * - of a knit, a loop whose head crosses nothing slips out of all that it was drawn through once less than a pitch of
+ *   yarn is left between both its upper nodes; a loop whose legs cross falls open likewise; an end leaves both nodes of
+ *   a stitch contact at once. The yarns part there, old loops of a stack from each other too: each goes on through a
+ *   node of its own in the same place, so that only the energy of wrapping, sliding and stitch length is lost. Lone nodes
+ *   are left out when they are within a third of a pitch of a crossing, or new and in loose yarn, and that costs hardly
+ *   any energy; within a hundredth they are at any cost. Segments of stitch contacts get no node and do not break;
  * - of the segments of a yarn whose tension exceeds its strength, and which are longer than 0.3 pitch, the one most
  *   overloaded breaks in its middle.
  * Crossings never merge: contact of parallel yarns, and a floor under what is left of a segment, keep two apart.
@@ -13127,7 +13134,9 @@ static yc_result yci_system_factor(yci_system *s) {
  * angle, and turns by visit_turn at rest: a piece whose yarn would rather be straight has a moment in every loop and
  * buckles. Every segment has a floor under its length. A stack has one normal; its yarns press each other by stretch,
  * bending and wrapping. The new loop of a stack and the old one next to it are anchored each by itself, further old
- * ones by what they slide past their neighbour. Wrapping has no stiffness damping.
+ * ones by what they slide past their neighbour. Wrapping has no stiffness damping. What comes undone is listed with the
+ * model, see yci_due: a persistent contact ends when the yarn that keeps it has gone (YARN 5.2.4), and a node of n yarns
+ * becomes up to n nodes of one, in the same place. A knit that has lost all its contacts stays one (yci_cloth.knit).
  *
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
