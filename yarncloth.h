@@ -715,8 +715,9 @@ YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
  * nodes with k + 1 visits each, A and B of its left and of its right contact, and k contacts on each side; a plain
  * stitch thus has four nodes of 5 unknowns. Where a loop's legs cross (cast-on, twisted stitches) is a node with two
  * visits and without a contact; nodes with a single visit stand beside sharp turns: the yarn turns by less than 90
- * degrees everywhere unless stitches are crowded. The ends of the yarn are secured, but for the last one of a live knit. u is measured along the layout,
- * stretched by one factor so that the length in a stitch is `loop`, the mean over the rows that were worked.
+ * degrees everywhere unless stitches are crowded. The ends of the yarn are secured, but for the last one of a live
+ * knit. u is measured along the layout, stretched by one factor so that the length in a stitch is `loop`, the mean over
+ * the rows that were worked.
  * desc  not NULL; out  receives the network, untouched on failure; free with yc_yarns_destroy
  * Errors: ARGUMENT (the message names the field, or line, row and stitch of the chart and what does not fit), MEMORY.
  * Limits: 2.5 10^7 loops in all. Cost: linear in the loops. */
@@ -962,8 +963,8 @@ typedef struct yc_event {
  * - a segment longer than twice its pitch, and than twice what was laid there, gets a node;
  * - of a knit, a loop whose head crosses nothing slips out of all that it was drawn through once less than a pitch of
  *   yarn is left between both its upper nodes; a loop whose legs cross falls open likewise; an end leaves both nodes of
- *   a stitch contact at once. The yarns part there, old loops of a stack from each other too: each goes on through a
- *   node of its own in the same place, so that only the energy of wrapping, sliding and stitch length is lost. Lone nodes
+ *   a stitch contact at once. Yarns part there, old loops of a stack from each other too: each goes on through a node
+ *   of its own in the same place, so that only the energy of wrapping, sliding and stitch length is lost. Lone nodes
  *   are left out when they are within a third of a pitch of a crossing, or new and in loose yarn, and that costs hardly
  *   any energy; within a hundredth they are at any cost. Segments of stitch contacts get no node and do not break;
  * - of the segments of a yarn whose tension exceeds its strength, and which are longer than 0.3 pitch, the one most
@@ -13134,9 +13135,9 @@ static yc_result yci_system_factor(yci_system *s) {
  * angle, and turns by visit_turn at rest: a piece whose yarn would rather be straight has a moment in every loop and
  * buckles. Every segment has a floor under its length. A stack has one normal; its yarns press each other by stretch,
  * bending and wrapping. The new loop of a stack and the old one next to it are anchored each by itself, further old
- * ones by what they slide past their neighbour. Wrapping has no stiffness damping. What comes undone is listed with the
- * model, see yci_due: a persistent contact ends when the yarn that keeps it has gone (YARN 5.2.4), and a node of n yarns
- * becomes up to n nodes of one, in the same place. A knit that has lost all its contacts stays one (yci_cloth.knit).
+ * ones by what they slide past their neighbour. Wrapping has no stiffness damping. What comes undone is listed with
+ * the model, see yci_due: a persistent contact ends when the yarn that keeps it has gone (YARN 5.2.4), and a node of n
+ * yarns becomes up to n nodes of one, in the same place. A knit that has lost all its contacts stays one.
  *
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
@@ -13219,8 +13220,8 @@ typedef struct yci_slide {
     int visit, other, rub; /* -1: none */
     double sign, from, stiffness, share;
 } yci_slide;
-/* What becomes of a knit once its yarn between visits a and b is shorter than `limit`: MERGE, visit `drop` goes; SLIP, a
- * loop comes out of those it was drawn through, by visits `leave`; RELEASE, the end of a yarn does so. -1: none. */
+/* What becomes of a knit once its yarn between visits a and b is shorter than `limit`: MERGE, visit `drop` goes; SLIP,
+ * a loop comes out of those it was drawn through, by visits `leave`; RELEASE, the end of a yarn does so. -1: none. */
 typedef struct yci_due {
     int cloth, yarn, a, b, drop, leave[2];
     yc_event_type type;

@@ -1,5 +1,5 @@
-/* Pieces of knitting that are left to themselves: they curl, draw in or lie flat; or that are unravelled. Shared by tests, benchmarks and
- * pictures. SI units and radians. */
+/* Pieces of knitting that are left to themselves: they curl, draw in or lie flat; or that are unravelled. Shared by
+ * tests, benchmarks and pictures. SI units and radians. */
 #ifndef SCENES_KNITS_H
 #define SCENES_KNITS_H
 
@@ -39,8 +39,8 @@ typedef struct scene_knit_shape {
 } scene_knit_shape;
 scene_knit_shape scene_knit_look(const scene_knit *knit);
 
-/* A piece that was not bound off, held by its cast-on in the xy plane, as the yarn was set when it was worked. Its end
- * is drawn off sideways. */
+/* A piece that was not bound off, in the xy plane without gravity, held where the legs of its first loops cross. At
+ * rest its yarn turns as it is laid. Its end is drawn off sideways. */
 typedef struct scene_unravel {
     yc_chart chart;
     yc_knit_desc desc;
