@@ -27,7 +27,7 @@ static yc_result begin(scene_knit *k, char *message) {
     k->period = length * length * sqrt(yarn->density / yarn->bending);
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.dt_max = 10.0 * k->period, settings.dt_min = 1e-6 * k->period, settings.mass_damping = 0.2 / k->period;
-    settings.tolerance = 2e-3 * yarn->radius, settings.newton_limit = 25;
+    settings.tolerance = 2e-3 * yarn->radius;
     settings.solver = YC_SOLVER_DIRECT;
     cloth.yarns = y, cloth.hold_network = 1;
     k->start = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->start);
