@@ -267,8 +267,8 @@ static double strip(double friction, double preload) {
     weave.warp.preload = preload, weave.warp.friction = friction, weave.weft = weave.warp;
     p = patch_new(WARPS, WEFTS, &weave, 0, 0);
     a = node_of(p, YC_WARP, WARPS / 2, -1), b = node_of(p, YC_WARP, WARPS / 2 - 1, 0);
-    for (step = 1; step <= 60 && ok; step++) {
-        double d = 10.0 * weave.spacing[1] * step / 60.0;
+    for (step = 1; step <= 102 && ok; step++) { /* by 17 spacings: enough wherever the rest of the strip goes */
+        double d = 17.0 * weave.spacing[1] * step / 102.0;
         draw(p, a, 0.0, d, 0.0), draw(p, b, 0.0, -d, 0.0);
         ok = advance(p, 1);
         CHECK_RESULT(yc_scene_pin_force(p->scene, 0, YC_NODE, a, force), YC_OK);
