@@ -351,8 +351,8 @@ YC_API yc_yarn_desc yc_yarn_desc_default(void);
  *   bending  tex * fibre_tex * R * bending_factor, R the fibre's specific flexural rigidity. With a factor of 1 fibres
  *            slide freely past each other, with tex / fibre_tex the yarn is a solid rod; real yarns lie between 1.5 and
  *            4 (Hearle, Grosberg, Backer 1969; fibre values from Morton and Hearle). crimp_bending is the same
- *   wrap     bending / (200 radius^2): a seventh of what bending resists a turn with, in a knit whose stitch contacts
- *            are 3.5 radii long, as hand-knitted ones are; stitch is the same as stretch
+ *   wrap     bending / (200 radius^2): a fifth of what bending resists a turn with, in a knit whose stitch contacts are
+ *            5 radii long, as hand-knitted ones are; stitch is the same as stretch
  *   friction, preload, slide, contact, shear, flattening  typical of the fibre and of cloth of such yarn; see
  *            yci_fibre_values
  * Single yarns differ from these by a factor of two.
@@ -9558,8 +9558,10 @@ static void yci_knit_number(yci_knitter *k, yci_knit_loop *loop) {
 
 static int yci_knit_cross(const yci_knit_loop *loop) { return loop->node + (loop->old_count ? 4 : 0); }
 
-/* Places a loop's nodes: A 0.35 widths beside its base and 0.2 heights below, B 0.15 beside and 0.2 above; legs cross
- * half way up, or at the base of a loop that is drawn through none. */
+/* Places a loop's nodes: A 0.35 widths beside its base and 0.32 heights below, B 0.15 beside and 0.32 above, where the
+ * legs of Peirce's loop (1947; d the yarn's diameter, arcs of 1.5 d, loops 4 d wide in rows 2 sqrt(3) d apart) pass
+ * beside the arcs of the row above and below. Legs cross half way up, or at the base of a loop that is drawn through
+ * none. */
 static void yci_knit_place_loop(yci_knitter *k, int i, int before) {
     const yci_knit_loop *loop = &k->loops[i];
     double up[2], d[2];
@@ -9567,7 +9569,7 @@ static void yci_knit_place_loop(yci_knitter *k, int i, int before) {
     yci_knit_up(k, i, before, up);
     for (n = 0; n < count; n++) {
         int side = loop->tail ? loop->dir > 0 : n / 2;
-        double x = (side ? 1.0 : -1.0) * (n % 2 ? 0.15 : 0.35) * k->width, y = (n % 2 ? 0.2 : -0.2) * k->height;
+        double x = (side ? 1.0 : -1.0) * (n % 2 ? 0.15 : 0.35) * k->width, y = (n % 2 ? 0.32 : -0.32) * k->height;
         k->place[loop->node + n][0] = loop->x[0] + up[1] * x + up[0] * y;
         k->place[loop->node + n][1] = loop->x[1] - up[0] * x + up[1] * y;
     }
@@ -13142,7 +13144,8 @@ static yc_result yci_system_factor(yci_system *s) {
  * old leg below A with the new one above B and the new foot at A with the old head at B, each at rest a quarter turn
  * from flat, and keeps its length of yarn; nothing turns or shears there. Yarn jams when it turns by more than a right
  * angle, and turns by visit_turn at rest: a piece whose yarn would rather be straight has a moment in every loop and
- * buckles. Every segment has a floor under its length. A stack has one normal; its yarns press each other by stretch,
+ * buckles. Every segment has a floor under its length; outside of stitch contacts its ends resist, by k_c, when they
+ * come closer than two yarns that lie side by side. A stack has one normal; its yarns press each other by stretch,
  * bending and wrapping. The new loop of a stack and the old one next to it are anchored each by itself, further old
  * ones by what they slide past their neighbour. Wrapping has no stiffness damping. What comes undone is listed with
  * the model, see yci_due: a persistent contact ends when the yarn that keeps it has gone (YARN 5.2.4), and a node of n
@@ -14349,8 +14352,37 @@ static void yci_build_tail(const yci_build *b, int yarn, int lone, int slider, y
     if (end || (yci_build_full(b, lone - 1) && yci_build_full(b, lone + 1))) e->drop = b->cloth->visit + goes;
 }
 
-/* The elements that begin at visit `a` of a yarn. */
-static int yci_build_visit(const yci_build *b, int yarn, int a, const yci_crossing *crossing) {
+/* Which way a visit goes through its stitch contact, from A to B +1, and whether it is the new loop's there. */
+typedef struct yci_role {
+    signed char way;
+    unsigned char fresh;
+    int contact; /* one that names it; -1: none */
+} yci_role;
+
+static void yci_build_knit_roles(const yc_yarns *y, yci_role *role) {
+    int i, k;
+    for (i = 0; i < y->visit_count; i++) role[i].contact = -1;
+    for (i = 0; i < y->contact_count; i++)
+        for (k = 0; k < 4; k++) {
+            const int *pair = y->contacts[i].visit[k / 2];
+            yci_role *at = role + pair[k % 2];
+            at->way = (signed char)(pair[1] - pair[0]), at->contact = i;
+            if (k / 2) at->fresh = 1;
+        }
+}
+
+/* Whether a segment lies in a stitch contact. */
+static int yci_build_joined(const yc_yarns *y, const yci_role *role, int visit) {
+    int contact = role[visit].contact, i, in = 0;
+    for (i = 0; i < 2 && contact >= 0; i++) {
+        const int *pair = y->contacts[contact].visit[i];
+        in |= (pair[0] == visit && pair[1] == visit + 1) || (pair[1] == visit && pair[0] == visit + 1);
+    }
+    return in;
+}
+
+/* The elements that begin at visit `a` of a yarn. `role` is NULL but in knits. */
+static int yci_build_visit(const yci_build *b, int yarn, int a, const yci_crossing *crossing, const yci_role *role) {
     const yc_yarns *y = b->yarns;
     const yc_yarn_material *material = yci_yarn_of(b, yarn);
     const yci_crossing *here = crossing + y->visit_node[a], *next = here;
@@ -14376,15 +14408,15 @@ static int yci_build_visit(const yci_build *b, int yarn, int a, const yci_crossi
         double rest = yci_build_laid(b, yarn, a);
         if (b->cloth->knit && !b->cloth->desc.hold_network)
             rest = yci_min(rest, YCI_LONG * b->cloth->pitch[y->yarn_family[yarn]]);
-        /* else the segment runs to an end, with nothing to touch; of a knit it may be a stitch contact's */
-        int parallel = here->count == 2 && next->count == 2 && !b->cloth->knit;
+        /* else the segment runs to an end, with nothing to touch, or lies in a stitch contact */
+        int parallel = here->count > 1 && next->count > 1 && !(role && yci_build_joined(y, role, a));
         if (!e) return 0;
         touching = parallel ? yci_yarn_of(b, here->yarn[here->yarn[0] == yarn])->radius +
                 yci_yarn_of(b, next->yarn[next->yarn[0] == yarn])->radius
                             : 0.0;
         alpha = yci_raise(0.5 * (yci_build_share(b, a) + yci_build_share(b, a + 1)));
         e->a = base, e->b = base + 1, e->stiffness = parallel ? alpha * material->contact : 0.0;
-        e->distance = yci_min(touching, 0.9 * rest);
+        e->distance = yci_min(touching, role ? rest : 0.9 * rest); /* loops may touch at rest */
         e->hardness = alpha * YCI_HARDNESS * material->stretch, e->floor = 0.2 * rest, e->drop = -1, e->limit = 0.0;
         if (here->count == 1) yci_build_tail(b, yarn, a, a + 1, e);
         if (next->count == 1) yci_build_tail(b, yarn, a + 1, a, e);
@@ -14554,25 +14586,6 @@ static int yci_build_slides(const yci_build *b, yci_crossing *here, int node) {
 
 /* ---- model: elements of knits ---- */
 
-/* Which way a visit goes through its stitch contact, from A to B +1, and whether it is the new loop's there. */
-typedef struct yci_role {
-    signed char way;
-    unsigned char fresh;
-    int contact; /* one that names it; -1: none */
-} yci_role;
-
-static void yci_build_knit_roles(const yc_yarns *y, yci_role *role) {
-    int i, k;
-    for (i = 0; i < y->visit_count; i++) role[i].contact = -1;
-    for (i = 0; i < y->contact_count; i++)
-        for (k = 0; k < 4; k++) {
-            const int *pair = y->contacts[i].visit[k / 2];
-            yci_role *at = role + pair[k % 2];
-            at->way = (signed char)(pair[1] - pair[0]), at->contact = i;
-            if (k / 2) at->fresh = 1;
-        }
-}
-
 /* The two wrapped pairs of a contact: the old leg below A with the new one above B, the new foot at A with the old head
  * at B. */
 static int yci_build_wraps(const yci_build *b, const yci_crossing *crossing, int contact) {
@@ -14608,13 +14621,10 @@ static int yci_build_lengths(const yci_build *b, int yarn, const yci_role *role)
     const yc_yarns *y = b->yarns;
     int k;
     for (k = y->yarn_first[yarn]; k + 1 < y->yarn_first[yarn + 1]; k++) {
-        int a = b->cloth->visit + k, contact = role[k].contact, i, in = 0;
+        int a = b->cloth->visit + k;
         yci_length *e;
-        for (i = 0; i < 2 && contact >= 0; i++) {
-            const int *pair = y->contacts[contact].visit[i];
-            in |= (pair[0] == k && pair[1] == k + 1) || (pair[1] == k && pair[0] == k + 1);
-        }
-        if (!in || yci_yarn_of(b, yarn)->stitch <= 0.0 || (b->m->visit_slot[a] < 0 && b->m->visit_slot[a + 1] < 0))
+        if (!yci_build_joined(y, role, k) || yci_yarn_of(b, yarn)->stitch <= 0.0 ||
+            (b->m->visit_slot[a] < 0 && b->m->visit_slot[a + 1] < 0))
             continue;
         e = YCI_PUSH(b, length);
         if (!e) return 0;
@@ -14751,18 +14761,14 @@ static int yci_build_due(const yci_build *b, const yci_crossing *crossing, const
     return 1;
 }
 
-static int yci_build_knit(const yci_build *b, const yci_crossing *crossing) {
+static int yci_build_knit(const yci_build *b, const yci_crossing *crossing, const yci_role *role) {
     const yc_yarns *y = b->yarns;
-    yci_context *c = &b->s->c;
-    yci_role *role = YCI_NEW(c, yci_role, y->visit_count);
-    int i, ok = role != NULL;
-    if (ok) yci_build_knit_roles(y, role);
+    int i, ok = 1;
     for (i = 0; ok && i < y->contact_count; i++) ok = yci_build_wraps(b, crossing, i);
     for (i = 0; ok && i < y->yarn_count; i++) ok = yci_build_lengths(b, i, role);
     for (i = 0; ok && i < y->node_count; i++) ok = yci_build_stack(b, crossing + i, role);
     if (ok && !b->cloth->desc.hold_network) ok = yci_build_due(b, crossing, role);
-    if (ok && !b->m->unwrap) ok = (b->m->unwrap = YCI_NEW(c, double, 3 * (size_t)b->s->visits)) != NULL;
-    yci_free(c, role);
+    if (ok && !b->m->unwrap) ok = (b->m->unwrap = YCI_NEW(&b->s->c, double, 3 * (size_t)b->s->visits)) != NULL;
     return ok;
 }
 
@@ -14814,19 +14820,21 @@ static int yci_build_yarns(yci_build *b) {
     yci_crossing *crossing = YCI_NEW(c, yci_crossing, y->node_count);
     const int *walk = b->m->walk + b->cloth->node;
     int i, k, woven = !b->cloth->knit, *room = YCI_NEW(c, int, 2 * (size_t)y->visit_count);
-    int ok = crossing && room;
+    yci_role *role = woven ? NULL : YCI_NEW(c, yci_role, y->visit_count);
+    int ok = crossing && room && (woven || role);
+    if (ok && !woven) yci_build_knit_roles(y, role);
     if (ok) yci_crossing_fill(crossing, y, y->visit_node, 0, !woven, room), yci_build_slots(b, crossing);
     if (ok && b->m->height_slot) ok = yci_build_heights(b, crossing);
     for (i = 0; i < y->node_count; i++) {
         const yci_crossing *here = crossing + walk[i] - b->cloth->node;
-        for (k = 0; ok && k < here->count; k++) ok = yci_build_visit(b, here->yarn[k], here->visit[k], crossing);
+        for (k = 0; ok && k < here->count; k++) ok = yci_build_visit(b, here->yarn[k], here->visit[k], crossing, role);
     }
-    if (ok && !woven) ok = yci_build_knit(b, crossing);
+    if (ok && !woven) ok = yci_build_knit(b, crossing, role);
     for (i = 0; ok && woven && i < y->node_count; i++) {
         int node = walk[i] - b->cloth->node;
         ok = yci_build_slides(b, crossing + node, node) && yci_build_shear(b, crossing, node);
     }
-    yci_free(c, crossing), yci_free(c, room);
+    yci_free(c, crossing), yci_free(c, room), yci_free(c, role);
     return ok;
 }
 

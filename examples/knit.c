@@ -2,7 +2,8 @@
  *
  *     knit [curl|rib|garter|lace|unravel]      all of them without a name
  *
- * curl    stockinette: its sides roll towards the purl side, its ends towards the knit side (after YARN, Fig. 7)
+ * curl    stockinette: its sides roll towards the purl side, its ends towards the knit side (after YARN, Fig. 7);
+ *         drawn while it rolls, which only weight or the cloth itself would stop
  * rib     knit and purl columns by turns: they draw in (YARN, Fig. 5)
  * garter  knit rows on both sides: it lies flat
  * lace    decreases, whose loops are stacked, and yarn-overs, which leave holes
@@ -28,7 +29,7 @@ static const char *const openwork =
     "Row 3 (RS): K1, *k1, yo, ssk, k1, k2tog, yo, k2, repeat from *.\nRow 4 (WS): Purl.\n"
     "Row 5 (RS): K1, *k2, yo, sl1-k2tog-psso, yo, k3, repeat from *.\nRow 6 (WS): Purl.\n";
 
-static const piece pieces[] = {{"curl", &scene_stockinette, 20, 22, 12, {0.35, 0.4, 1.0}},
+static const piece pieces[] = {{"curl", &scene_stockinette, 20, 22, 2, {0.35, 0.4, 1.0}},
     {"rib", &scene_rib, 20, 20, 12, {0.1, 0.2, 1.0}}, {"garter", &scene_garter, 18, 22, 12, {0.1, 0.2, 1.0}},
     {"lace", &openwork, 17, 18, 8, {0.0, 0.1, 1.0}}};
 

@@ -9,6 +9,20 @@ const char *const scene_garter = "pattern: a\nRow 1 (RS): Knit.\nRow 2 (WS): Kni
 const char *const scene_rib = "pattern: a\nRow 1 (RS): *K1, p1, repeat from *.\nRow 2 (WS): *K1, p1, repeat from *.\n";
 const char *const scene_rib2 = "pattern: a\nRow 1 (RS): *K2, p2, repeat from *.\nRow 2 (WS): *K2, p2, repeat from *.\n";
 
+const char *const scene_feather = "pattern: a\nRow 1 (RS): Knit.\nRow 2 (WS): Purl.\n"
+                                  "Row 3 (RS): *[K2tog] 3 times, [yo, k1] 6 times, [k2tog] 3 times, repeat from *.\n"
+                                  "Row 4 (WS): Knit.\n";
+const char *const scene_diamond =
+    "pattern: a\nRow 1 (RS): K1, *yo, ssk, k3, k2tog, yo, k1, repeat from *.\n"
+    "Rows 2, 4, 6, 8, 10 and 12 (WS): Purl.\nRow 3 (RS): K1, *k1, yo, ssk, k1, k2tog, yo, k2, repeat from *.\n"
+    "Row 5 (RS): K1, *k2, yo, sl1-k2tog-psso, yo, k3, repeat from *.\n"
+    "Row 7 (RS): K1, *k1, k2tog, yo, k1, yo, ssk, k2, repeat from *.\n"
+    "Row 9 (RS): K1, *k2tog, yo, k3, yo, ssk, k1, repeat from *.\n"
+    "Row 11 (RS): K2tog, *yo, k5, yo, sl1-k2tog-psso, repeat from *, yo, k5, yo, ssk.\n";
+const char *const scene_chevron = "pattern: a\nRows 1, 3, 5, 7, 9, 11, 13, 15, 17 and 19 (WS): Purl.\n"
+                                  "Rows 2, 4, 6, 8 and 10 (RS): K1, *ssk, k5, yo, repeat from *, k1.\n"
+                                  "Rows 12, 14, 16, 18 and 20 (RS): K1, *yo, k5, k2tog, repeat from *, k1.\n";
+
 static const double pi = 3.14159265358979323846;
 
 void scene_knit_free(scene_knit *k) {
@@ -17,11 +31,29 @@ void scene_knit_free(scene_knit *k) {
     free(k->start), free(k->x), free(k);
 }
 
+/* A view of the network whose first and last row have yarns of their own. */
+static yc_yarns loosen(scene_knit *k) {
+    yc_yarns y = k->yarns;
+    int i, j, last = y.contact_count - (4 * k->desc.stitches - 1); /* the contacts of binding off come last */
+    k->first[1] = k->first[2] = y.visit_count, k->first[3] = y.visit_count;
+    for (i = 0; i < y.contact_count; i++)
+        for (j = 0; j < 2; j++) {
+            int *first = &k->first[i < last ? 1 : 2], visit = y.contacts[i].visit[1][j];
+            if (visit < *first) *first = visit;
+        }
+    for (i = 1; i < 3; i++) y.visit_held[k->first[i] - 1] = y.visit_held[k->first[i]] = 2;
+    for (i = 0; i < 3; i++) k->family[i] = YC_WEFT, k->material[i] = i != 1;
+    k->materials[0] = k->materials[1] = k->desc.yarn, k->materials[1].stretch *= 1e-5;
+    y.yarn_count = 3, y.yarn_first = k->first, y.yarn_family = k->family, y.yarn_material = k->material;
+    y.material_count = 2, y.materials = k->materials, y.owner = NULL;
+    return y;
+}
+
 static yc_result begin(scene_knit *k, char *message) {
     yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
     yc_cloth_desc cloth = yc_cloth_desc_default();
     const yc_yarn_material *yarn = &k->desc.yarn;
-    const yc_yarns *y = &k->yarns;
+    yc_yarns network = k->elastic ? loosen(k) : k->yarns, *y = &network;
     double length = 2.0 * (y->visit_u[y->visit_count - 1] - y->visit_u[0]) / y->visit_count;
     yc_result result;
     k->period = length * length * sqrt(yarn->density / yarn->bending);
@@ -42,11 +74,12 @@ static yc_result begin(scene_knit *k, char *message) {
     return result;
 }
 
-scene_knit *scene_knit_new(const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message) {
+static scene_knit *make(
+    const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, int elastic, char *message) {
     scene_knit *k = (scene_knit *)calloc(1, sizeof *k);
     yc_result result;
     if (!k) return NULL;
-    k->desc = yc_knit_desc_default();
+    k->desc = yc_knit_desc_default(), k->elastic = elastic;
     k->desc.stitches = stitches, k->desc.rows = row_count;
     if (yarn) k->desc.yarn = *yarn;
     result = yc_chart_read(NULL, rows, strlen(rows), NULL, &k->chart, message);
@@ -57,6 +90,15 @@ scene_knit *scene_knit_new(const char *rows, int stitches, int row_count, const 
     if (result == YC_OK) return k;
     scene_knit_free(k);
     return NULL;
+}
+
+scene_knit *scene_knit_new(const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message) {
+    return make(rows, stitches, row_count, yarn, 0, message);
+}
+
+scene_knit *scene_knit_new_elastic(
+    const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message) {
+    return make(rows, stitches, row_count, yarn, 1, message);
 }
 
 yc_result scene_knit_settle(scene_knit *k, int most) {
@@ -196,4 +238,93 @@ yc_result scene_unravel_pull(scene_unravel *u, double distance, double seconds, 
     if (result == YC_OK) result = yc_scene_pin_force(u->scene, 0, YC_NODE, u->tip, force);
     if (result == YC_OK) u->pulled += distance, u->force = u->way * force[0];
     return result;
+}
+
+scene_knit_munden scene_knit_gauge(const scene_knit *k) {
+    const yc_yarns *y = &k->yarns;
+    scene_knit_munden m;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, sum = 0.0;
+    signed char *foot = (signed char *)calloc((size_t)y->visit_count, 1); /* the new loop's visit to A: the sign */
+    int i, j, count = 0;
+    memset(&m, 0, sizeof m);
+    if (!foot) return m;
+    for (i = 0; i < y->node_count; i++)
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], k->start[i][j]), high[j] = fmax(high[j], k->start[i][j]);
+    for (i = 0; i < y->contact_count; i++) foot[y->contacts[i].visit[1][0]] = y->contacts[i].sign;
+    for (i = 0; i + 8 < y->visit_count; i++) { /* a loop has eight visits */
+        const double *x = k->start[y->visit_node[i]];
+        int inside = 1;
+        for (j = 0; j < 2; j++) inside &= fabs(x[j] - 0.5 * (low[j] + high[j])) < (high[j] - low[j]) / 6.0;
+        if (inside && foot[i] && foot[i] == foot[i + 8]) sum += y->visit_u[i + 8] - y->visit_u[i], count++;
+    }
+    free(foot);
+    m.loop = count ? sum / count : 0.0;
+    m.kw = k->desc.wales / k->rest.scale[0] * m.loop, m.kc = k->desc.courses / k->rest.scale[1] * m.loop;
+    m.ks = m.kw * m.kc;
+    return m;
+}
+
+/* Which end's nodes are drawn: -1, 1, or 0 for none. */
+static int drawn(const scene_knit *k, int axis, int node) {
+    const double pitch = 1.0 / (axis ? k->desc.courses : k->desc.wales);
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    int i, first = k->elastic ? k->first[1] : 0, after = k->elastic ? k->first[2] : k->yarns.visit_count;
+    for (i = first; i < after; i++) { /* what is cast on or bound off sticks out */
+        double at = k->start[k->yarns.visit_node[i]][axis];
+        low = fmin(low, at), high = fmax(high, at);
+    }
+    return k->start[node][axis] < low + pitch ? -1 : k->start[node][axis] > high - pitch;
+}
+
+/* Mean place along the axis of what is drawn at both ends, and the force that holds it. */
+static void ends(const scene_knit *k, const signed char *side, int axis, double at[2], double *force) {
+    int i, count[2] = {0, 0};
+    at[0] = at[1] = *force = 0.0;
+    for (i = 0; i < k->yarns.node_count; i++) {
+        double f[3];
+        if (!side[i]) continue;
+        at[side[i] > 0] += k->x[i][axis], count[side[i] > 0]++;
+        if (yc_scene_pin_force(k->scene, 0, YC_NODE, i, f) == YC_OK) *force += 0.5 * side[i] * f[axis];
+    }
+    for (i = 0; i < 2; i++) at[i] /= count[i] ? count[i] : 1;
+}
+
+yc_result scene_knit_draw(scene_knit *k, int axis, double step, double force, scene_knit_pull *p) {
+    signed char *side = (signed char *)calloc((size_t)k->yarns.node_count, 1);
+    double at[2], carry = axis ? k->desc.stitches : k->desc.rows, sum, shift = 0.0, laid = 0.0;
+    yc_result result = side ? YC_OK : YC_ERROR_MEMORY;
+    int i, n;
+    memset(p, 0, sizeof *p);
+    for (i = 0; i < k->yarns.node_count && result == YC_OK; i++) side[i] = (signed char)drawn(k, axis, i);
+    laid = axis ? k->desc.rows / k->desc.courses : k->desc.stitches / k->desc.wales;
+    for (n = 0; result == YC_OK && n < SCENE_PULL; n++) {
+        double before = shift;
+        shift = 0.5 * step * n * laid;
+        for (i = 0; i < k->yarns.node_count && result == YC_OK; i++) {
+            double to[3];
+            if (!side[i]) continue;
+            memcpy(to, k->x[i], sizeof to), to[axis] += side[i] * (shift - before);
+            result = yc_scene_pin(k->scene, 0, YC_NODE, i, to);
+        }
+        if (result == YC_OK) result = scene_knit_settle(k, 4);
+        if (result == YC_OK) result = yc_scene_energy(k->scene, p->energy[n]);
+        if (result != YC_OK) break;
+        ends(k, side, axis, at, &sum);
+        if (!n) p->length = at[1] - at[0];
+        p->stretch[n] = (at[1] - at[0]) / p->length - 1.0, p->force[n] = sum / carry, p->count = n + 1;
+        if (p->force[n] > force) break;
+    }
+    free(side);
+    return result;
+}
+
+double scene_knit_pull_at(const scene_knit_pull *p, double force) {
+    double first = 0.0;
+    int n, found = 0;
+    for (n = 0; n + 1 < p->count; n++) {
+        double a = p->force[n], b = p->force[n + 1], s = p->stretch[n + 1] - p->stretch[n];
+        if (!found && b > 0.0) found = 1, first = a < 0.0 ? p->stretch[n] + s * a / (a - b) : p->stretch[n];
+        if (b >= force) return (1.0 + p->stretch[n] + s * (force - a) / (b - a)) / (1.0 + first) - 1.0;
+    }
+    return NAN;
 }

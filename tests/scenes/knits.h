@@ -7,12 +7,16 @@
 
 /* Rows for yc_chart_read. */
 extern const char *const scene_stockinette, *const scene_garter, *const scene_rib, *const scene_rib2;
+extern const char *const scene_feather, *const scene_diamond, *const scene_chevron;
 
 typedef struct scene_knit {
     yc_chart chart;
     yc_knit_desc desc;
     yc_yarns yarns; /* with its rest shape */
     yc_knit_rest rest;
+    int elastic, first[4], material[3]; /* of elastic edges: the three yarns, */
+    unsigned char family[3];
+    yc_yarn_material materials[2]; /* the piece's and theirs */
     yc_scene *scene;
     double (*start)[3], (*x)[3]; /* [yarns.node_count], as it was put in, and after the last scene_knit_settle */
     double period;               /* s, about that of a stitch that swings */
@@ -24,6 +28,10 @@ typedef struct scene_knit {
  * damping of 0.2 / period. yarn NULL: the default wool. NULL when memory is out or the library refuses; message is NULL
  * or has YC_MESSAGE_SIZE bytes. */
 scene_knit *scene_knit_new(const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message);
+/* The same, cast on and bound off with elastic, yarns that stretch a hundred thousand times as easily: what
+ * draws the piece wider draws its stitches then, not its edges. */
+scene_knit *scene_knit_new_elastic(
+    const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message);
 void scene_knit_free(scene_knit *knit);
 
 /* Steps of ten periods until no node moves by more than a twentieth of the yarn's radius in one, or `most` are done. */
@@ -58,5 +66,27 @@ scene_unravel *scene_unravel_new(const yc_host *host, const char *rows, int stit
 /* Draws the tip on by `distance` in `seconds`. */
 yc_result scene_unravel_pull(scene_unravel *u, double distance, double seconds, yc_stats *stats);
 void scene_unravel_free(scene_unravel *u);
+
+/* kc, kw and ks of Munden (1959): courses, wales per length and loops per area times the yarn in a loop, to the powers
+ * 1, 1 and 2, of a piece that yc_knit_relax has settled; the yarn is that of whole loops in the middle third. */
+typedef struct scene_knit_munden {
+    double kc, kw, ks, loop; /* loop: m */
+} scene_knit_munden;
+scene_knit_munden scene_knit_gauge(const scene_knit *knit);
+
+/* Draws the outermost columns (axis 0) or rows (axis 1) apart by shares `step` of what was laid,
+ * and lets the piece settle each time, until the force is `force`, N, times the rows or stitches that carry it, or the
+ * curve is full. What is drawn does not narrow. The first entry is the piece as it is. */
+enum { SCENE_PULL = 48 };
+typedef struct scene_knit_pull {
+    int count;
+    double length;                            /* m, at first */
+    double stretch[SCENE_PULL];               /* share of `length` */
+    double force[SCENE_PULL];                 /* N, per row or stitch */
+    double energy[SCENE_PULL][YC_TERM_COUNT]; /* J */
+} scene_knit_pull;
+yc_result scene_knit_draw(scene_knit *knit, int axis, double step, double force, scene_knit_pull *out);
+/* The stretch at a force, from the first length at which it pulls; NaN where the curve ends before. */
+double scene_knit_pull_at(const scene_knit_pull *pull, double force);
 
 #endif

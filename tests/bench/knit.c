@@ -1,0 +1,367 @@
+/* bench-knit: what knits of hand-knitted wool do, beside what is known of them, and the cost of garments.
+ *
+ *   bench-knit [--quick] [curl | rib | munden | lace | stretch | cost ...]     only these parts
+ *
+ * Swatches are cast on, relaxed flat and left to themselves as tests/scenes/knits.h says; shares are of what lies flat.
+ *   curl     stockinette turns by more than 30 degrees towards the purl side at its sides and towards the knit side at
+ *            its ends, while the middle half turns by less than 40; garter by less than 15 everywhere.
+ *            Looked at after 40 periods of a stitch: what is left alone for longer rolls up, since neither weight nor
+ *            the cloth itself stops it here
+ *   rib      1x1 and 2x2 are between 0.4 and 0.6 times as wide as stockinette of the same stitches, laid flat. A share
+ *            of the nearer end where they are not
+ *   munden   kc/kw within 20 % of 1.3; kc, kw and ks within 20 % of the range from dry to wet relaxed
+ *   lace     Feather and Fan: the upper edge's strongest wave has a period of 18 stitches. Openwork diamonds: as many
+ *            holes as yarn-overs. Flame chevron: columns lean to the other side every ten rows
+ *   stretch  swatches with elastic edges drawn by their outermost columns or rows. At 49 N/m of what is laid plain
+ *            knits give 10 to 40 % across and ribs 40 to 100 % (cotton jersey and wool rib, KES), and until they lock,
+ *            at 1 N per row, plain ones 50 to 100 %; garter goes furthest lengthwise; a rib is opposed by wrapping,
+ *            then bending, then stretching, by what grows most from one point to the next (YARN, Fig. 11). The curves
+ *            are drawn in out/knit-stretch.png
+ *   cost     seconds per step of 1 ms of a sweater of 56,000 and a T-shirt of 325,000 loops that hang by their upper
+ *            edge, against the 96 s and 7.4 min per frame of 1/30 s that YARN reports on a GPU, and 4 GB for the
+ *            larger. --quick leaves the larger one out */
+#define _POSIX_C_SOURCE 200809L /* NOLINT(bugprone-reserved-identifier): what POSIX prescribes */
+#include "bench.h"
+#include "report.h"
+#include "../../examples/common/ex_image.h"
+#include "../scenes/knits.h"
+#include "yarncloth.h"
+#include <math.h>
+
+static const double degree = 3.14159265358979323846 / 180.0;
+static int quick;
+
+/* A goal that a value lies in a range; the share of it that is reached. */
+static void range_goal(const char *name, const char *what, double value, double low, double high, const char *unit) {
+    double share = value >= low && value <= high ? 1.0 : value < low ? value / low : high / value;
+    say("%-14s%-34s%9.3f  %7.3g to %-7.3g %-8s %s\n", name, what, value, low, high, unit,
+        share >= 1.0 ? "met" : "missed");
+    count_goal(name, what, share);
+}
+
+static scene_knit *swatch(const char *name, const char *rows, int stitches, int row_count) {
+    char why[YC_MESSAGE_SIZE] = "";
+    scene_knit *k = scene_knit_new(rows, stitches, row_count, NULL, why);
+    if (!k) say("%-14sfailed: %s\n", name, why);
+    return k;
+}
+
+static void run_curl(void) {
+    int n = quick ? 14 : 20, i;
+    scene_knit *k = swatch("stockinette", scene_stockinette, n, n);
+    scene_knit_shape s;
+    double least = NAN, flat = NAN;
+    if (k && scene_knit_settle(k, 4) == YC_OK) {
+        s = scene_knit_look(k), flat = s.flat / degree;
+        least = fmin(fmin(s.side[0], s.side[1]), fmin(s.end[0], s.end[1])) / degree;
+        say("%-14s%d x %d: sides turn by %.0f and %.0f, ends by %.0f and %.0f degrees; %.0f s\n", "stockinette", n, n,
+            s.side[0] / degree, s.side[1] / degree, s.end[0] / degree, s.end[1] / degree, k->seconds);
+    }
+    range_goal("stockinette", "least turn of an edge", least, 30.0, 360.0, "degrees");
+    range_goal("stockinette", "the middle half turns", flat, 0.0, 40.0, "degrees");
+    scene_knit_free(k);
+    k = swatch("garter", scene_garter, 14, 14);
+    for (i = 0, least = NAN; k && i < 2; i++) {
+        if (i == 0 && scene_knit_settle(k, 12) != YC_OK) break;
+        s = scene_knit_look(k);
+        least = fmax(fmax(s.flat, i ? least * degree : 0.0), fmax(fabs(s.side[i]), fabs(s.end[i]))) / degree;
+    }
+    range_goal("garter", "largest turn", least, 0.0, 15.0, "degrees");
+    scene_knit_free(k);
+    say("\n");
+}
+
+static void run_rib(void) {
+    static const char *const name[2] = {"rib 1x1", "rib 2x2"};
+    const char *rows[2] = {scene_rib, scene_rib2};
+    int n = quick ? 12 : 16, i;
+    scene_knit *plain = swatch("stockinette", scene_stockinette, n, n);
+    double flat = plain ? scene_knit_look(plain).width : NAN, share[2];
+    scene_knit_free(plain);
+    for (i = 0; i < 2; i++) {
+        scene_knit *k = swatch(name[i], rows[i], n, n);
+        share[i] = NAN;
+        if (k && scene_knit_settle(k, 30) == YC_OK) share[i] = scene_knit_look(k).width / flat;
+        if (k)
+            say("%-14s%d x %d: height %.2f of flat; %.0f s\n", name[i], n, n,
+                scene_knit_look(k).height * k->desc.courses / (n - 2), k->seconds);
+        range_goal(name[i], "width of stockinette's", share[i], 0.4, 0.6, "");
+        scene_knit_free(k);
+    }
+    say("%-14s%s draws in more\n\n", "ribs", share[0] < share[1] ? "1x1" : "2x2");
+}
+
+static void run_munden(void) {
+    int n = quick ? 12 : 18;
+    scene_knit *k = swatch("munden", scene_stockinette, n, n);
+    scene_knit_munden m;
+    memset(&m, 0, sizeof m);
+    if (k) m = scene_knit_gauge(k);
+    say("%-14s%d x %d, %.2f mm of yarn in a loop, laid as %.2f x %.2f mm, relaxed by %.3f x %.3f\n", "munden", n, n,
+        1e3 * m.loop, k ? 1e3 / k->desc.wales : 0.0, k ? 1e3 / k->desc.courses : 0.0, k ? k->rest.scale[0] : 0.0,
+        k ? k->rest.scale[1] : 0.0);
+    range_goal("munden", "kc/kw", m.kc / m.kw, 1.3 / 1.2, 1.3 * 1.2, "");
+    range_goal("munden", "kc, 5.0 to 5.5", m.kc, 5.0 / 1.2, 5.5 * 1.2, "");
+    range_goal("munden", "kw, 3.8 to 4.2", m.kw, 3.8 / 1.2, 4.2 * 1.2, "");
+    range_goal("munden", "ks, 19 to 23.1", m.ks, 19.0 / 1.2, 23.1 * 1.2, "");
+    say("%-14syarns touch without thickness here: climbing over each other 8 times a loop, by a diameter, they would\n"
+        "%-14sneed 4 %% more\n\n",
+        "", "");
+    scene_knit_free(k);
+}
+
+/* ---- lace ------------------------------------------------------------------------------------------------------- */
+
+/* The amplitude, m, of a wave of `times` periods along the upper edge, whose ends are left out. */
+static double edge_wave(const scene_knit *k, double times) {
+    enum { BINS = 72 };
+    double top[BINS], low = HUGE_VAL, high = -HUGE_VAL, mean = 0.0, c = 0.0, s = 0.0;
+    int i;
+    for (i = 0; i < k->yarns.node_count; i++) low = fmin(low, k->start[i][0]), high = fmax(high, k->start[i][0]);
+    for (i = 0; i < BINS; i++) top[i] = -HUGE_VAL;
+    for (i = 0; i < k->yarns.node_count; i++) {
+        int at = (int)(BINS * (k->start[i][0] - low) / (high - low) * 0.9999);
+        top[at] = fmax(top[at], k->start[i][1]);
+    }
+    for (i = 0; i < BINS; i++) mean += top[i] / BINS;
+    for (i = 0; i < BINS; i++)
+        c += 2.0 / BINS * (top[i] - mean) * cos(360.0 * degree * times * (i + 0.5) / BINS),
+            s += 2.0 / BINS * (top[i] - mean) * sin(360.0 * degree * times * (i + 0.5) / BINS);
+    return hypot(c, s);
+}
+
+/* How many places are further than `clear` from any yarn, as seen from the front; touching ones count once. */
+static int count_holes(const scene_knit *k, double clear) {
+    enum { MOST = 400 };
+    const yc_yarns *y = &k->yarns;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, cell;
+    unsigned char *covered = BENCH_NEW(unsigned char, MOST *MOST);
+    int *stack = BENCH_NEW(int, MOST *MOST), i, j, v, n[2], depth, holes = 0;
+    for (i = 0; i < y->node_count; i++)
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], k->start[i][j]), high[j] = fmax(high[j], k->start[i][j]);
+    cell = fmax(high[0] - low[0], high[1] - low[1]) / (MOST - 1);
+    for (j = 0; j < 2; j++) n[j] = (int)((high[j] - low[j]) / cell) + 1;
+    for (v = 0; v + 1 < y->visit_count; v++) {
+        const double *a = k->start[y->visit_node[v]], *b = k->start[y->visit_node[v + 1]];
+        double dx = b[0] - a[0], dy = b[1] - a[1], square = dx * dx + dy * dy;
+        int from[2], to[2];
+        for (j = 0; j < 2; j++) {
+            from[j] = (int)fmax(0.0, (fmin(a[j], b[j]) - clear - low[j]) / cell);
+            to[j] = (int)fmin(n[j] - 1.0, (fmax(a[j], b[j]) + clear - low[j]) / cell);
+        }
+        for (i = from[0]; i <= to[0]; i++)
+            for (j = from[1]; j <= to[1]; j++) {
+                double x = low[0] + i * cell - a[0], z = low[1] + j * cell - a[1];
+                double t = square > 0.0 ? fmax(0.0, fmin(1.0, (x * dx + z * dy) / square)) : 0.0;
+                if (hypot(x - t * dx, z - t * dy) < clear) covered[MOST * j + i] = 1;
+            }
+    }
+    for (v = 0; v < MOST * MOST; v++) { /* what the outline leaves open is no hole */
+        int edge = 0, count = 0;
+        if (v % MOST >= n[0] || v / MOST >= n[1] || covered[v]) continue;
+        covered[v] = 1, stack[0] = v;
+        for (depth = 1; depth; count++) {
+            int at = stack[--depth], x = at % MOST, z = at / MOST;
+            edge |= !x || !z || x == n[0] - 1 || z == n[1] - 1;
+            for (i = 0; i < 4; i++) {
+                int p = x + (i == 0) - (i == 1), q = z + (i == 2) - (i == 3);
+                if (p < 0 || q < 0 || p >= n[0] || q >= n[1] || covered[MOST * q + p]) continue;
+                covered[MOST * q + p] = 1, stack[depth++] = MOST * q + p;
+            }
+        }
+        holes += !edge && count > 2;
+    }
+    free(covered), free(stack);
+    return holes;
+}
+
+/* Mean lean of the columns, rad to the right, in rows from .. to - 1, in the middle half of the width. */
+static double lean(const scene_knit *k, double from, double to) {
+    const yc_yarns *y = &k->yarns;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, d[2] = {0.0, 0.0}, height;
+    int i, j;
+    for (i = 0; i < y->node_count; i++)
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], k->start[i][j]), high[j] = fmax(high[j], k->start[i][j]);
+    height = (high[1] - low[1]) / (k->desc.rows + 1);
+    for (i = 0; i < y->contact_count; i++) {
+        const double *a = k->start[y->visit_node[y->contacts[i].visit[0][0]]],
+                     *b = k->start[y->visit_node[y->contacts[i].visit[0][1]]];
+        double row = (a[1] - low[1]) / height - 0.5;
+        if (fabs(a[0] - 0.5 * (low[0] + high[0])) > 0.25 * (high[0] - low[0]) || row < from || row >= to) continue;
+        d[0] += b[0] - a[0], d[1] += b[1] - a[1];
+    }
+    return atan2(d[0], d[1]);
+}
+
+static void run_lace(void) {
+    scene_knit *k = swatch("feather", scene_feather, 36, quick ? 4 : 8);
+    double amplitude, other = 0.0, angle[4] = {0.0};
+    int i, holes, made, n = quick ? 20 : 40, turns = 0;
+    if (k) {
+        amplitude = edge_wave(k, 2.0);
+        for (i = 1; i < 9; i++)
+            if (i != 2) other = fmax(other, edge_wave(k, i));
+        say("%-14samplitude %.1f mm, the next wave %.1f mm\n", "feather", 1e3 * amplitude, 1e3 * other);
+        range_goal("feather", "wave of 18 stitches over others", amplitude / other, 1.0, 1e9, "");
+    } else count_goal("feather", "wave", 0.0);
+    scene_knit_free(k);
+    k = swatch("diamonds", scene_diamond, 17, 14);
+    if (k) {
+        holes = count_holes(k, 0.36 / k->desc.wales), made = 0;
+        for (i = 0; i < 14; i++) made += i % 2 ? 0 : i % 12 == 10 ? 6 : 4;
+        range_goal("diamonds", "holes of those made", (double)holes / made, 1.0, 1.0, "");
+    } else count_goal("diamonds", "holes", 0.0);
+    scene_knit_free(k);
+    k = swatch("chevron", scene_chevron, 23, n);
+    if (k) {
+        for (i = 0; i < n / 10; i++) angle[i] = lean(k, 10.0 * i + 2.0, 10.0 * i + 10.0);
+        for (i = 1; i < n / 10; i++) turns += angle[i] * angle[i - 1] < 0.0;
+        say("%-14scolumns lean by %.1f, %.1f, %.1f, %.1f degrees\n", "chevron", angle[0] / degree, angle[1] / degree,
+            angle[2] / degree, angle[3] / degree);
+        range_goal("chevron", "changes of sign, of all", turns / (n / 10 - 1.0), 1.0, 1.0, "");
+    } else count_goal("chevron", "changes of sign", 0.0);
+    scene_knit_free(k);
+    say("\n");
+}
+
+/* ---- stretch ---------------------------------------------------------------------------------------------------- */
+
+enum { FABRICS = 4 };
+static const char *const fabric_name[FABRICS] = {"stockinette", "garter", "rib 1x1", "rib 2x2"};
+
+/* Whether wrapping, then bending, then the yarn's stretch grow most, each somewhere and in that order: the share. */
+static double regimes(const scene_knit_pull *p) {
+    int n, stage = 0;
+    for (n = 1; n < p->count; n++) {
+        double wrap = p->energy[n][YC_TERM_WRAP] - p->energy[n - 1][YC_TERM_WRAP];
+        double bend = p->energy[n][YC_TERM_BENDING] - p->energy[n - 1][YC_TERM_BENDING];
+        double stretch = p->energy[n][YC_TERM_STRETCH] - p->energy[n - 1][YC_TERM_STRETCH];
+        int most = wrap >= bend && wrap >= stretch ? 1 : bend >= stretch ? 2 : 3;
+        if (most == stage + 1) stage++;
+    }
+    return stage / 3.0;
+}
+
+static void plot_stretch(scene_knit_pull (*pull)[2]) {
+    ex_image *image = ex_image_new(900, 600, 255, 255, 255);
+    ex_plot plot;
+    int f, axis;
+    if (!image) return;
+    ex_plot_begin(
+        &plot, image, 90, 50, 760, 470, 0.0, 2.0, 0.0, 0.3, "knits drawn out", "extension", "N per row or stitch");
+    for (f = 0; f < FABRICS; f++)
+        for (axis = 0; axis < 2; axis++) {
+            static const int color[FABRICS][2] = {
+                {0x1f77b4, 0x9ecae1}, {0x2ca02c, 0xa1d99b}, {0xd62728, 0xff9896}, {0x9467bd, 0xc5b0d5}};
+            char name[64];
+            snprintf(name, sizeof name, "%s %s", fabric_name[f], axis ? "lengthwise" : "widthwise");
+            ex_plot_curve(&plot, pull[f][axis].stretch, pull[f][axis].force, pull[f][axis].count, color[f][axis], name);
+        }
+    if (!ex_image_write_png(image, "out/knit-stretch.png")) say("no picture out/knit-stretch.png\n");
+    ex_image_free(image);
+}
+
+static void run_stretch(void) {
+    static scene_knit_pull pull[FABRICS][2];
+    const char *rows[FABRICS] = {scene_stockinette, scene_garter, scene_rib, scene_rib2};
+    double at[FABRICS][2], lock[FABRICS][2], longest = 0.0;
+    int f, axis, n = quick ? 8 : 12, i;
+    for (f = 0; f < FABRICS; f++)
+        for (axis = 0; axis < 2; axis++) {
+            char why[YC_MESSAGE_SIZE] = "";
+            scene_knit *k = scene_knit_new_elastic(rows[f], n, n, NULL, why);
+            yc_result result = k ? YC_OK : YC_ERROR_DIVERGED;
+            /* stockinette, which would roll up, is laid hold of while it lies flat */
+            if (result == YC_OK && f) result = scene_knit_settle(k, 12);
+            if (result == YC_OK) result = scene_knit_draw(k, axis, 0.05, 5.0, &pull[f][axis]);
+            if (result != YC_OK) say("%-14s%s\n", fabric_name[f], k ? yc_scene_message(k->scene) : why);
+            at[f][axis] = scene_knit_pull_at(&pull[f][axis], k ? 49.0 / (axis ? k->desc.wales : k->desc.courses) : 0.0);
+            lock[f][axis] = scene_knit_pull_at(&pull[f][axis], 1.0);
+            say("%-14s%-12s%d x %d: %.0f %% at 49 N/m, %.0f %% at 1 N per %s; %.0f s\n", fabric_name[f],
+                axis ? "lengthwise" : "widthwise", n, n, 100.0 * at[f][axis], 100.0 * lock[f][axis],
+                axis ? "stitch" : "row", k ? k->seconds : 0.0);
+            if (f == 2 && !axis) /* what opposes a rib, in the paper's figure */
+                for (i = 0; i < pull[f][0].count; i++)
+                    say("%14s%6.1f %%%10.4f N, wrapping %.3g, bending %.3g, stretching %.3g mJ\n", "",
+                        100.0 * pull[f][0].stretch[i], pull[f][0].force[i], 1e3 * pull[f][0].energy[i][YC_TERM_WRAP],
+                        1e3 * pull[f][0].energy[i][YC_TERM_BENDING], 1e3 * pull[f][0].energy[i][YC_TERM_STRETCH]);
+            scene_knit_free(k);
+        }
+    range_goal("stockinette", "widthwise at 49 N/m", at[0][0], 0.1, 0.4, "");
+    range_goal("stockinette", "widthwise at 1 N per row", lock[0][0], 0.5, 1.0, "");
+    for (f = 2; f < FABRICS; f++) {
+        range_goal(fabric_name[f], "widthwise at 49 N/m", at[f][0], 0.4, 1.0, "");
+        range_goal(fabric_name[f], "regimes, of three", 3.0 * regimes(&pull[f][0]), 3.0, 3.0, "");
+    }
+    for (f = 0; f < FABRICS; f++)
+        if (f != 1) longest = fmax(longest, at[f][1]);
+    range_goal("garter", "lengthwise, of the others' most", at[1][1] / longest, 1.0, 1e9, "");
+    plot_stretch(pull);
+    say("\n");
+}
+
+/* ---- cost ------------------------------------------------------------------------------------------------------- */
+
+static void run_garment(const char *name, int stitches, int rows, double frame, int yarn) {
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_knit_desc d = yc_knit_desc_default();
+    char why[YC_MESSAGE_SIZE] = "";
+    yc_scene *scene = NULL;
+    yc_stats stats;
+    yc_chart chart;
+    yc_yarns y;
+    double begin = bench_clock(), times[3], high = 0.0;
+    int i, count = 3;
+    yc_result result;
+    memset(&chart, 0, sizeof chart), memset(&y, 0, sizeof y), memset(&stats, 0, sizeof stats);
+    if (yarn >= 0) yc_knit_fabric((yc_fabric_name)yarn, &d);
+    d.chart = &chart, d.stitches = stitches, d.rows = rows;
+    settings.gravity[1] = -9.81, settings.gravity[0] = settings.gravity[2] = 0.0;
+    result = yc_chart_read(NULL, scene_garter, strlen(scene_garter), NULL, &chart, why);
+    if (result == YC_OK) result = yc_knit(NULL, &d, &y, why);
+    cloth.yarns = &y;
+    if (result == YC_OK) result = yc_scene_create(NULL, &settings, &scene, why);
+    if (result == YC_OK) result = yc_scene_add_cloth(scene, &cloth, NULL);
+    for (i = 0; i < y.node_count; i++) high = fmax(high, y.layout[i][1]);
+    for (i = 0; i < y.node_count && result == YC_OK; i++)
+        if (y.layout[i][1] > high - 0.5 / d.courses) result = yc_scene_pin(scene, 0, YC_NODE, i, NULL);
+    say("%-14s%d loops, %d nodes, laid in %.1f s\n", name, stitches * rows, y.node_count, bench_clock() - begin);
+    for (i = 0; i < count && result == YC_OK; i++) {
+        begin = bench_clock();
+        result = yc_scene_step(scene, 1e-3, &stats);
+        times[i] = bench_clock() - begin;
+        say("%14sstep %d: %.1f s, %d Newton and %d linear iterations, %.2f GB\n", "", i + 1, times[i], stats.newton,
+            stats.linear, 1e-9 * (double)stats.bytes_peak);
+    }
+    if (result != YC_OK)
+        say("%-14sfailed: %s\n", name, scene && *yc_scene_message(scene) ? yc_scene_message(scene) : why);
+    range_goal(
+        name, "s per frame", result == YC_OK ? 1e3 / 30.0 * bench_quantile(times, count, 0.5) : NAN, 0.0, frame, "s");
+    if (stitches * rows > 300000)
+        range_goal(name, "memory", result == YC_OK ? 1e-9 * (double)stats.bytes_peak : NAN, 0.0, 4.0, "GB");
+    yc_scene_destroy(scene), yc_yarns_destroy(&y), yc_chart_destroy(&chart);
+}
+
+static void run_cost(void) {
+    run_garment("sweater", 200, 280, 96.0, -1);
+    if (!quick) run_garment("T-shirt", 500, 650, 7.4 * 60.0, YC_FABRIC_JERSEY);
+    say("\n");
+}
+
+int main(int argc, char **argv) {
+    static const char *const part[] = {"curl", "rib", "munden", "lace", "stretch", "cost"};
+    static void (*const run[])(void) = {run_curl, run_rib, run_munden, run_lace, run_stretch, run_cost};
+    int i, k, parts = 0;
+    for (i = 1; i < argc; i++) {
+        quick |= !strcmp(argv[i], "--quick");
+        for (k = 0; k < 6; k++) parts |= !strcmp(argv[i], part[k]) << k;
+    }
+    if (!parts) parts = 63;
+    report_open("bench-knit");
+    say("yarncloth %s, one thread\n\n", yc_version());
+    for (k = 0; k < 6; k++)
+        if (parts >> k & 1) run[k]();
+    report_close();
+    return 0;
+}
