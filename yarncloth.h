@@ -9560,22 +9560,22 @@ static int yci_knit_cross(const yci_knit_loop *loop) { return loop->node + (loop
 
 /* Places a loop's nodes: A 0.35 widths beside its base and 0.32 heights below, B 0.15 beside and 0.32 above, where the
  * legs of Peirce's loop (1947; d the yarn's diameter, arcs of 1.5 d, loops 4 d wide in rows 2 sqrt(3) d apart) pass
- * beside the arcs of the row above and below. Legs cross half way up, or at the base of a loop that is drawn through
- * none. */
+ * beside the arcs of the row above and below; 0.2 in the chain that binds off, whose loops lie along the row. Legs cross
+ * half way up, or at the base of a loop that is drawn through none. */
 static void yci_knit_place_loop(yci_knitter *k, int i, int before) {
     const yci_knit_loop *loop = &k->loops[i];
-    double up[2], d[2];
+    double up[2], d[2], deep = loop->row + 1 == k->row && !k->desc->live ? 0.2 : 0.32;
     int j, n, count = !loop->old_count ? 0 : loop->tail ? 2 : 4;
     yci_knit_up(k, i, before, up);
     for (n = 0; n < count; n++) {
         int side = loop->tail ? loop->dir > 0 : n / 2;
-        double x = (side ? 1.0 : -1.0) * (n % 2 ? 0.15 : 0.35) * k->width, y = (n % 2 ? 0.32 : -0.32) * k->height;
+        double x = (side ? 1.0 : -1.0) * (n % 2 ? 0.15 : 0.35) * k->width, y = (n % 2 ? deep : -deep) * k->height;
         k->place[loop->node + n][0] = loop->x[0] + up[1] * x + up[0] * y;
         k->place[loop->node + n][1] = loop->x[1] - up[0] * x + up[1] * y;
     }
     for (n = 0; n < yci_knit_open(k, loop); n++) {
         double x = (n < 2 ? -loop->dir : loop->dir) * (n % 3 ? 0.15 : 0.35) * k->width;
-        double y = (k->row - loop->row + (n % 3 ? 0.2 : -0.2)) * k->height;
+        double y = (k->row - loop->row + (n % 3 ? 0.32 : -0.32)) * k->height;
         for (j = 0; j < 2; j++)
             k->place[yci_knit_cross(loop) + loop->twist + n][j] = loop->x[j] + (j ? -up[0] : up[1]) * x + up[j] * y;
     }

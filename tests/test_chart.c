@@ -795,7 +795,7 @@ TEST(knit_check_refuses) {
     yc_scene *scene;
     yc_chart chart;
     yc_yarns y;
-    char message[YC_MESSAGE_SIZE];
+    char message[YC_MESSAGE_SIZE], want[YC_MESSAGE_SIZE];
     int v;
     if (!CHECK_RESULT(read_chart("Row 1 (RS): k1, k2tog, yo, k1.", NULL, &chart, message), YC_OK)) return;
     d.chart = &chart, d.stitches = 4, d.rows = 1;
@@ -811,16 +811,19 @@ TEST(knit_check_refuses) {
     } while (0)
     v = s->visit[0][0];
     WRONG(int, y.contact_count, -1, YC_ERROR_ARGUMENT, "yarns.contact_count = -1 must not be negative");
-    WRONG(int, s->visit[1][0], -1, YC_ERROR_ARGUMENT, "yarns.contacts[1].visit[1][0] = -1 must lie in 0 .. 124");
-    WRONG(int, s->visit[0][1], s->visit[1][1], YC_ERROR_TOPOLOGY,
-        "yarns.contacts[1].visit[0] = 28 and 35 do not follow each other");
+    snprintf(want, sizeof want, "yarns.contacts[1].visit[1][0] = -1 must lie in 0 .. %d", y.visit_count - 1);
+    WRONG(int, s->visit[1][0], -1, YC_ERROR_ARGUMENT, want);
+    snprintf(want, sizeof want, "yarns.contacts[1].visit[0] = %d and %d do not follow each other", v, s->visit[1][1]);
+    WRONG(int, s->visit[0][1], s->visit[1][1], YC_ERROR_TOPOLOGY, want);
     other = *s, memcpy(other.visit[1], y.contacts[0].visit[1], sizeof other.visit[1]);
-    WRONG(
-        yc_stitch_contact, *s, other, YC_ERROR_TOPOLOGY, "yarns.contacts[1]: visits 28 and 41 are at different nodes");
+    snprintf(want, sizeof want, "yarns.contacts[1]: visits %d and %d are at different nodes", v, other.visit[1][0]);
+    WRONG(yc_stitch_contact, *s, other, YC_ERROR_TOPOLOGY, want);
     memcpy(other.visit[1], other.visit[0], sizeof other.visit[1]);
-    WRONG(yc_stitch_contact, *s, other, YC_ERROR_TOPOLOGY, "yarns.contacts[1]: visit 28 touches itself");
+    snprintf(want, sizeof want, "yarns.contacts[1]: visit %d touches itself", v);
+    WRONG(yc_stitch_contact, *s, other, YC_ERROR_TOPOLOGY, want);
     WRONG(signed char, s->sign, 0, YC_ERROR_ARGUMENT, "yarns.contacts[1].sign = 0 must be +1 or -1");
-    WRONG(signed char, y.visit_layer[v], 5, YC_ERROR_ARGUMENT, "yarns.visit_layer[28] = 5 must lie in -1 .. 1");
+    snprintf(want, sizeof want, "yarns.visit_layer[%d] = 5 must lie in -1 .. 1", v);
+    WRONG(signed char, y.visit_layer[v], 5, YC_ERROR_ARGUMENT, want);
     WRONG(int, y.contact_count, 3, YC_ERROR_TOPOLOGY,
         "yarns.visit_node[12] = 10: 3 visits of this node, and no contact names this one");
     WRONG(int, y.contact_count, 0, YC_ERROR_ARGUMENT, "yarns.visit_layer[12] = 2 must lie in -1 .. 1");
@@ -830,8 +833,10 @@ TEST(knit_check_refuses) {
         for (s = y.contacts; y.visit_layer[s->visit[1][0]] != -2;) s++;
         y.visit_layer[s->visit[1][0]] = 0; /* the new loop in the midst of its stack */
         CHECK_RESULT(yc_scene_add_cloth(scene, &cloth, NULL), YC_ERROR_ARGUMENT);
-        CHECK_TEXT(yc_scene_message(scene),
-            "cloth.yarns.visit_layer[52] = 0: the new loop must lie on top of its stack of 3, or below all");
+        snprintf(want, sizeof want,
+            "cloth.yarns.visit_layer[%d] = 0: the new loop must lie on top of its stack of 3, or below all",
+            s->visit[1][0]);
+        CHECK_TEXT(yc_scene_message(scene), want);
         yc_scene_destroy(scene);
     }
     yc_yarns_destroy(&y);
