@@ -16247,6 +16247,23 @@ static int yci_newton_again(yc_scene *s) {
     return 0;
 }
 
+/* Whether E, which is `energy` at free flight, is lower at q_n. Only weight is below zero, which comes first: what is
+ * added until the sum reaches that says that it is not. */
+static int yci_newton_rises(yc_scene *s, double energy) {
+    yci_model *m = s->model;
+    size_t bytes = (size_t)yci_system_size(&m->system) * sizeof(double);
+    double least;
+    int kind;
+    memcpy(m->start, m->dof, bytes), memcpy(m->dof, m->dof_n, bytes);
+    yci_dofs_set(s, m->dof);
+    least = yci_inertia(s, YCI_ENERGY);
+    for (kind = 0; kind < YCI_KINDS && (kind == YCI_SEGMENT || least < energy); kind++)
+        least += yci_assemble_kind(s, kind, YCI_ENERGY);
+    memcpy(m->dof, m->start, bytes);
+    yci_dofs_set(s, m->dof);
+    return energy > least;
+}
+
 /* Ends Newton's iteration: E, forces and reactions of the last iterate. False, and back at the best one, when E there,
  * `best`, was lower. */
 static int yci_newton_ends(yc_scene *s, double best, yc_stats *stats) {
@@ -16279,17 +16296,14 @@ static int yci_newton_is_near(yc_scene *s, double tolerance, double best, yc_sta
 static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
     yci_model *m = s->model;
     yc_result result;
-    double tolerance = s->desc.tolerance, best = HUGE_VAL, last = HUGE_VAL, start = HUGE_VAL, scale;
+    double tolerance = s->desc.tolerance, best = HUGE_VAL, last = HUGE_VAL, scale;
     int iteration, size = yci_system_size(&m->system), waited = 0, slow = 0, lost = 0, tense = m->tense;
     m->convex = 1.0, m->tense = 0, m->searching = 0;
     /* Friction has a scale of its own: the slip over one step at which the brake lets go. The floor keeps a halved
      * sub-step from being asked for more than the one that failed. */
     if (m->touch_count || m->pairs.count)
         tolerance = yci_clamp(0.5 * s->desc.slip_speed * m->h, 0.05 * tolerance, tolerance);
-    if (tense) {
-        start = yci_potential(s, YCI_ENERGY, &scale);
-        yci_move(s, yci_step_limit(s, yci_vector_largest(m->direction, size)));
-    }
+    if (tense) yci_move(s, yci_step_limit(s, yci_vector_largest(m->direction, size)));
     for (iteration = 0; iteration < s->desc.newton_limit; iteration++) {
         double energy, clock = yci_seconds();
         if (lost && tense) tense = yci_newton_again(s), best = last = HUGE_VAL, waited = slow = 0;
@@ -16301,7 +16315,7 @@ static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
             best = HUGE_VAL, waited = 0; /* and E has new terms */
         }
         energy = yci_potential(s, YCI_HESSIAN, &scale);
-        lost = energy > start, start = HUGE_VAL;
+        lost = !iteration && tense && yci_newton_rises(s, energy);
         if (energy < best) {
             best = energy, waited = 0;
             memcpy(m->dof_best, m->dof, (size_t)size * sizeof(double));
