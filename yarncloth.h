@@ -9912,7 +9912,7 @@ YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns
  *                projected is the Gauss-Newton form of that, exact at rest.
  *   length       (1/2) k L (du/L - 1)^2, of the yarn in a stitch contact (YARN 4.5). Convex: projected is exact.
  *   turning      the friction law of phi in place of u, k in N m, limit = mu lambda (2/3) rho: the moment of a pressure
- *                lambda spread evenly over a disc of radius rho. Projected as friction and shear are.
+ *                lambda spread evenly over a disc of radius rho. Part of shear; f'' is the projected one always.
  * With crimp u is the true length of a yarn that passes its nodes at heights y, and
  *   stretch      is the same with l^2 = |x_j - x_i|^2 + kappa (y_b - y_a)^2, a distance in four dimensions, kappa = 9/8
  *                (Peirce 1937, see chapter fabric).
@@ -10264,6 +10264,37 @@ YC_FN double yci_yarn_bend(const double *q, double k, double theta_0, double jam
     return f / du;
 }
 
+/* -- sliding friction of one visit: k in N/m, limit = mu lambda in N ----------------------------------------------- */
+
+YC_FN double yci_yarn_friction(double u, double anchor, double k, double limit, double *g, double *h, int projected) {
+    double s = u - anchor;
+    int slips = k * fabs(s) > limit;
+    if (g) *g = !slips ? k * s : s < 0.0 ? -limit : limit;
+    if (h) *h = !slips ? k : projected ? limit / fabs(s) : 0.0;
+    return slips ? limit * (fabs(s) - 0.5 * limit / k) : 0.5 * k * s * s;
+}
+
+/* The share of its limit, -1 to 1, that friction has after the step du, by the linear model in which share and s are
+ * unknowns of their own, share |s| = s where it slips (Chan, Golub and Mulet 1999); `share` is that before. */
+YC_FN double yci_yarn_friction_predict(double u, double anchor, double du, double k, double limit, double share) {
+    double s = u - anchor, sign = s < 0.0 ? -1.0 : 1.0;
+    if (limit <= 0.0) return 0.0;
+    if (k * fabs(s) <= limit) return yci_clamp(k * (s + du) / limit, -1.0, 1.0);
+    return yci_clamp(sign + (1.0 - share * sign) / fabs(s) * du, -1.0, 1.0);
+}
+
+/* The factor on the projected second derivative that belongs to a share: 1 at 0. */
+YC_FN double yci_yarn_friction_factor(double u, double anchor, double k, double limit, double share) {
+    double s = u - anchor;
+    return k * fabs(s) <= limit ? 1.0 : 1.0 - (s < 0.0 ? -share : share);
+}
+
+/* The anchor after an accepted step: it follows a slipping yarn so that |u - anchor| <= limit/k. */
+YC_FN double yci_yarn_friction_anchor(double u, double anchor, double k, double limit) {
+    if (k * fabs(u - anchor) <= limit) return anchor;
+    return u < anchor ? u + limit / k : u - limit / k;
+}
+
 /* -- shear: q = (x_i, x_j, x_k), the edges x_j - x_i and x_k - x_i; jam as above, from `limit` on ------------------ */
 
 YC_FN double yci_yarn_shear_strain(const double *q) {
@@ -10273,8 +10304,14 @@ YC_FN double yci_yarn_shear_strain(const double *q) {
     return atan2(yci_norm(m), yci_dot(e1, e2));
 }
 
+/* Friction of turning: that of phi in place of u, its anchor an angle from phi_0. */
+typedef struct yci_yarn_turn {
+    double anchor, k, limit; /* of the friction */
+} yci_yarn_turn;
+
+/* `turn` may be NULL. Its second derivative is the projected one always. */
 YC_FN double yci_yarn_shear(const double *q, double k, double length, double phi_0, double limit, double jam, double r,
-    double s_prev, double *g, double *h, int projected) {
+    double s_prev, const yci_yarn_turn *turn, double *g, double *h, int projected) {
     double c1[3] = {-1.0, 1.0, 0.0}, c2[3] = {-1.0, 0.0, 1.0}, e1[3], e2[3], f, df, ddf, s, rate;
     yci_yarn_angle angle;
     yci_sub(e1, q + 3, q), yci_sub(e2, q + 6, q);
@@ -10289,6 +10326,11 @@ YC_FN double yci_yarn_shear(const double *q, double k, double length, double phi
         f += YCI_YARN_JAM * k * length * j;
         df += YCI_YARN_JAM * k * length * (s < 0.0 ? -dj : dj);
         ddf += YCI_YARN_JAM * k * length * ddj;
+    }
+    if (turn) {
+        double dt, ddt;
+        f += yci_yarn_friction(s, turn->anchor, turn->k, turn->limit, &dt, &ddt, 1);
+        df += dt, ddf += ddt;
     }
     if (g || h) yci_yarn_angle_derivatives(&angle, c1, c2, df, ddf, g, h, 9, projected);
     return f;
@@ -10328,50 +10370,6 @@ YC_FN double yci_yarn_length(const double *q, double k, double length, double *g
     if (g) g[1] = k * s, g[0] = -g[1];
     if (h) h[0] = h[3] = k / length, h[1] = h[2] = -h[0];
     return 0.5 * k * length * s * s;
-}
-
-/* -- sliding friction of one visit: k in N/m, limit = mu lambda in N ----------------------------------------------- */
-
-YC_FN double yci_yarn_friction(double u, double anchor, double k, double limit, double *g, double *h, int projected) {
-    double s = u - anchor;
-    int slips = k * fabs(s) > limit;
-    if (g) *g = !slips ? k * s : s < 0.0 ? -limit : limit;
-    if (h) *h = !slips ? k : projected ? limit / fabs(s) : 0.0;
-    return slips ? limit * (fabs(s) - 0.5 * limit / k) : 0.5 * k * s * s;
-}
-
-/* The share of its limit, -1 to 1, that friction has after the step du, by the linear model in which share and s are
- * unknowns of their own, share |s| = s where it slips (Chan, Golub and Mulet 1999); `share` is that before. */
-YC_FN double yci_yarn_friction_predict(double u, double anchor, double du, double k, double limit, double share) {
-    double s = u - anchor, sign = s < 0.0 ? -1.0 : 1.0;
-    if (limit <= 0.0) return 0.0;
-    if (k * fabs(s) <= limit) return yci_clamp(k * (s + du) / limit, -1.0, 1.0);
-    return yci_clamp(sign + (1.0 - share * sign) / fabs(s) * du, -1.0, 1.0);
-}
-
-/* The factor on the projected second derivative that belongs to a share: 1 at 0. */
-YC_FN double yci_yarn_friction_factor(double u, double anchor, double k, double limit, double share) {
-    double s = u - anchor;
-    return k * fabs(s) <= limit ? 1.0 : 1.0 - (s < 0.0 ? -share : share);
-}
-
-/* The anchor after an accepted step: it follows a slipping yarn so that |u - anchor| <= limit/k. */
-YC_FN double yci_yarn_friction_anchor(double u, double anchor, double k, double limit) {
-    if (k * fabs(u - anchor) <= limit) return anchor;
-    return u < anchor ? u + limit / k : u - limit / k;
-}
-
-/* -- friction of turning: q = (x_i, x_j, x_k) as for shear, the anchor an angle from phi_0 ------------------------- */
-
-YC_FN double yci_yarn_turn(
-    const double *q, double phi_0, double anchor, double k, double limit, double *g, double *h, int projected) {
-    double c1[3] = {-1.0, 1.0, 0.0}, c2[3] = {-1.0, 0.0, 1.0}, e1[3], e2[3], f, df, ddf;
-    yci_yarn_angle angle;
-    yci_sub(e1, q + 3, q), yci_sub(e2, q + 6, q);
-    yci_yarn_angle_make(&angle, e1, e2);
-    f = yci_yarn_friction(angle.phi - phi_0, anchor, k, limit, &df, &ddf, projected);
-    if (g || h) yci_yarn_angle_derivatives(&angle, c1, c2, df, ddf, g, h, 9, projected);
-    return f;
 }
 
 /* -- wrapping of a stitch contact: q = (x_a, x_b, x_p, x_q), its nodes and the far ends of the tails there ---------- */
@@ -15569,17 +15567,17 @@ static void yci_eval_form(const yc_scene *s, int kind, int i, int mode, int proj
     }
     case YCI_SHEAR: {
         const yci_shear *e = m->shear + i;
+        yci_yarn_turn turn;
+        int rubs = 0;
         yci_local_nodes(out, 3, e->node);
         yci_local_gather(s, out, q);
-        out->energy = yci_yarn_shear(
-            q, e->stiffness, e->length, e->rest, e->limit, YCI_JAM_WIDTH, m->rate, e->previous, g, h, projected);
         if (m->turn_count && yci_rub_limit(m, m->turn[i].rub) > 0.0) {
             const yci_turn *t = m->turn + i;
-            double g9[9], h9[81];
-            out->energy += yci_yarn_turn(q, e->rest, s->turn[t->anchor], t->stiffness,
-                t->reach * yci_rub_limit(m, t->rub), g ? g9 : NULL, h ? h9 : NULL, 1);
-            yci_local_add(out, g ? g9 : NULL, h ? h9 : NULL);
+            turn.anchor = s->turn[t->anchor], turn.k = t->stiffness, turn.limit = t->reach * yci_rub_limit(m, t->rub);
+            rubs = 1;
         }
+        out->energy = yci_yarn_shear(q, e->stiffness, e->length, e->rest, e->limit, YCI_JAM_WIDTH, m->rate, e->previous,
+            rubs ? &turn : NULL, g, h, projected);
         break;
     }
     case YCI_ADJACENT: {
