@@ -6,8 +6,8 @@
  *                            #include "yarncloth.h"
  *   Everywhere else:         #include "yarncloth.h"
  *
- * DOES NOT (yet): lay knits over a mesh or mix them with triangles; homogenised volumes, GPU, single
- * precision, changing the yarn region while a scene runs, contact of yarns in one layer beyond what the weave gives.
+ * DOES NOT (yet): mix knits with triangles; homogenised volumes, GPU, single precision, changing the yarn region while a
+ * scene runs, contact of yarns in one layer beyond what the weave gives.
  *
  * HELLO. A 20 cm swatch, held at two corners, swings for a second; see examples/hello.c, which is this text:
  *
@@ -687,7 +687,7 @@ YC_API yc_result yc_chart_read(
 YC_API void yc_chart_destroy(yc_chart *chart);
 
 /* A piece of knitting: cast on by backward loops, worked by the chart's rows, which begin anew after the last one,
- * bound off by a chain. One yarn does it all. */
+ * bound off by a chain. One yarn does it all. Or, with a mesh, what is cut from such pieces and sewn. */
 typedef struct yc_knit_desc {
     unsigned cookie;       /* set by yc_knit_desc_default() */
     const yc_chart *chart; /* NULL: stockinette; default NULL */
@@ -702,11 +702,18 @@ typedef struct yc_knit_desc {
     double wales, courses; /* per m, stitches across and rows along; > 0; default 220, 300: hand-knitted wool */
     double loop;           /* m of yarn in a stitch; >= 0; default 0: as long as it is laid */
     yc_yarn_material yarn; /* default: a wool yarn of 440 tex */
+    /* NULL: none. Else every UV island is cut from a flat piece that is knitted as large as it takes: stitches and rows
+     * are not looked at, but the chart must fit some number of stitches again and again. Default NULL */
+    const yc_mesh *mesh;
+    double grain; /* rad, turns rows against u of the pattern, counter-clockwise; only with a mesh; default 0 */
+    yc_edge edge; /* ends of yarn at a free outline of the mesh; default YC_EDGE_CUT */
+    /* along welded seams of the mesh; rod.density = 0: no rods. Default: the default yarn, twice as heavy */
+    yc_yarn_material rod;
 } yc_knit_desc;
 YC_API yc_knit_desc yc_knit_desc_default(void);
 
-/* A knit fabric that has a name, as yc_fabric_get tells of it: its chart, wales, courses, loop and yarn; the rest is
- * the default. Errors: ARGUMENT (out NULL, a woven fabric, or a name that is none); then *out is untouched. */
+/* A knit fabric that has a name, as yc_fabric_get tells of it: its chart, wales, courses, loop, yarn, and a rod of that
+ * yarn, twice as heavy; the rest is the default. Errors: ARGUMENT (out NULL, a woven fabric, or a name that is none); then *out is untouched. */
 YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
 
 /* Knits. The network's layout is seen from the right side, the cast-on at the bottom (z = 0; in the round a tube about
@@ -718,9 +725,16 @@ YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
  * degrees everywhere unless stitches are crowded. The ends of the yarn are secured, but for the last one of a live
  * knit. u is measured along the layout, stretched by one factor so that the length in a stitch is `loop`, the mean over
  * the rows that were worked.
- * desc  not NULL; out  receives the network, untouched on failure; free with yc_yarns_destroy
- * Errors: ARGUMENT (the message names the field, or line, row and stitch of the chart and what does not fit), MEMORY.
- * Limits: 2.5 10^7 loops in all. Cost: linear in the loops. */
+ * With a mesh the layout is the pattern's; yarns end on the outline of their island, in a node of their own, and are
+ * tied to a rod along every edge where two islands are welded, as yc_weave does it. A stitch contact of which the
+ * outline cuts a part goes as a whole: its yarns pass there alone. Yarn without any contact is left out. Since
+ * yc_knit_relax cannot settle such pieces, their yarns turn at rest as they are laid: but for wrapping they lie still,
+ * at the gauge that was asked for.
+ * desc  not NULL; out  receives the network, untouched on failure; free with yc_yarns_destroy. Its materials are the
+ *       yarn and, with a mesh, the rod unless rod.density is 0
+ * Errors: ARGUMENT (the message names the field, or line, row and stitch of the chart and what does not fit), TOPOLOGY
+ * (of the mesh), MEMORY. Limits: 2.5 10^7 loops in all, of an island in the rectangle around it. Cost: linear in these
+ * loops and in triangles. */
 YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns *out, char *message);
 
 /* ---- scene ------------------------------------------------------------------------------------------------------ */
@@ -774,8 +788,8 @@ YC_API yc_scene_desc yc_scene_desc_default(void); /* YC_DEFAULT */
 typedef struct yc_cloth_desc {
     unsigned cookie; /* set by yc_cloth_desc_default() */
     yc_mesh mesh;    /* zero: none, then yarns alone make the cloth */
-    /* NULL: triangles alone. Copied, like every array here. A knit is refused on a mesh, with crimp, and where more
-     * than five yarns are stacked */
+    /* NULL: triangles alone. Copied, like every array here. A knit is refused with crimp, where more than five yarns
+     * are stacked, and on a mesh unless alpha is 1 at all vertices and enrich_all is 0 */
     const yc_yarns *yarns;
     /* [node_count], m: where yarn nodes start; NULL: on the mesh, or at their layout without one */
     const double (*yarn_positions)[3];
@@ -6928,6 +6942,7 @@ typedef struct {
 typedef struct {
     double along; /* position on the line; u of a rod */
     int node;
+    signed char layer; /* of a knit */
 } yci_weave_visit;
 
 typedef struct {
@@ -7047,16 +7062,24 @@ static yc_result yci_weave_check_count(yci_weaver *w) {
     return count <= YCI_WEAVE_LIMIT ? YC_OK : yci_weave_too_many(w, count, "crossings");
 }
 
-/* The lattice of a piece: centred in its bounding box, with margins of 1/4 to 3/4 spacing. The rectangle without a mesh
- * has its origin at its corner and every line strictly inside. */
-static yc_result yci_weave_lattice(yci_weaver *w, int piece, int centred) {
-    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, frame[2];
+/* The bounding box of a piece, in the frame. */
+static void yci_weave_box(const yci_weaver *w, int piece, double low[2], double high[2]) {
+    double frame[2];
     int i, k, f;
+    low[0] = low[1] = HUGE_VAL, high[0] = high[1] = -HUGE_VAL;
     for (i = w->piece_first[piece]; i < w->piece_first[piece + 1]; i++)
         for (k = 0; k < 3; k++) {
             yci_weave_to_frame(w, yci_weave_uv(w, 3 * w->piece_triangle[i] + k), frame);
             for (f = 0; f < 2; f++) low[f] = yci_min(low[f], frame[f]), high[f] = yci_max(high[f], frame[f]);
         }
+}
+
+/* The lattice of a piece: centred in its bounding box, with margins of 1/4 to 3/4 spacing. The rectangle without a mesh
+ * has its origin at its corner and every line strictly inside. */
+static yc_result yci_weave_lattice(yci_weaver *w, int piece, int centred) {
+    double low[2], high[2];
+    int f;
+    yci_weave_box(w, piece, low, high);
     for (f = 0; f < 2; f++) {
         double s = w->desc->spacing[f], lines = (high[f] - low[f]) / s;
         if (!(lines + fabs(low[f] / s) < YCI_WEAVE_LIMIT))
@@ -7184,7 +7207,7 @@ static yc_result yci_weave_push_visit(yci_weaver *w, int node, double along) {
     if (!YCI_RESERVE(w->c, w->visits, w->visit_capacity, w->visit_count, w->visit_count + 1))
         return yci_out_of_memory(w->c, "the visits of a weave");
     w->visits[w->visit_count].node = node, w->visits[w->visit_count].along = along;
-    w->visit_count++;
+    w->visits[w->visit_count++].layer = 0;
     return YC_OK;
 }
 
@@ -7471,7 +7494,7 @@ static yc_result yci_weave_tie(yci_weaver *w, const yci_weave_seam *seams, int s
             yci_weave_cut *tie;
             if (span->tip[e] < 0 || w->twin[span->half[e]] < 0) continue;
             if (!YCI_RESERVE(w->c, w->cuts, w->cut_capacity, w->cut_count, w->cut_count + 1))
-                return yci_out_of_memory(w->c, "the rods of a weave");
+                return yci_out_of_memory(w->c, "the rods of a pattern");
             tie = &w->cuts[w->cut_count++];
             seam = &seams[place[span->half[e]]];
             tie->along =
@@ -7489,7 +7512,7 @@ static yc_result yci_weave_tie(yci_weaver *w, const yci_weave_seam *seams, int s
         while (last + 1 < seam_count && seams[last + 1].chain == ties->line) last++;
         yci_weave_spread(ties, end - begin, gap, seams[last].arc + seams[last].length);
         if (!YCI_RESERVE(w->c, w->spans, w->span_capacity, w->span_count, w->span_count + 1))
-            return yci_out_of_memory(w->c, "the rods of a weave");
+            return yci_out_of_memory(w->c, "the rods of a pattern");
         rod = &w->spans[w->span_count++];
         memset(rod, 0, sizeof *rod);
         rod->family = YC_ROD, rod->tip[0] = rod->tip[1] = -1, rod->first = w->visit_count, rod->count = end - begin;
@@ -7683,14 +7706,7 @@ static double yci_weave_height(const yci_weaver *w, int family) {
     return 0.5 * w->desc->spacing[!family] * sqrt((length * length - 1.0) / YCI_CRIMP_KAPPA);
 }
 
-static yc_result yci_weave_lay(yci_weaver *w, int on_mesh, yc_yarns *out) {
-    int piece;
-    yc_result result = yci_weave_check_count(w);
-    if (result == YC_OK) result = yci_weave_pieces(w);
-    for (piece = 0; piece < w->piece_count && result == YC_OK; piece++) result = yci_weave_piece(w, piece, on_mesh);
-    if (result == YC_OK) yci_weave_prune(w);
-    if (result == YC_OK && w->desc->rod.density > 0.0) result = yci_weave_rods(w);
-    if (result == YC_OK) result = yci_weave_finish(w, on_mesh, out);
+static void yci_weave_free(yci_weaver *w) {
     yci_free(w->c, w->twin);
     yci_free(w->c, w->piece_first);
     yci_free(w->c, w->piece_triangle);
@@ -7699,6 +7715,17 @@ static yc_result yci_weave_lay(yci_weaver *w, int on_mesh, yc_yarns *out) {
     yci_free(w->c, w->cuts);
     yci_free(w->c, w->spans);
     yci_free(w->c, w->visits);
+}
+
+static yc_result yci_weave_lay(yci_weaver *w, int on_mesh, yc_yarns *out) {
+    int piece;
+    yc_result result = yci_weave_check_count(w);
+    if (result == YC_OK) result = yci_weave_pieces(w);
+    for (piece = 0; piece < w->piece_count && result == YC_OK; piece++) result = yci_weave_piece(w, piece, on_mesh);
+    if (result == YC_OK) yci_weave_prune(w);
+    if (result == YC_OK && w->desc->rod.density > 0.0) result = yci_weave_rods(w);
+    if (result == YC_OK) result = yci_weave_finish(w, on_mesh, out);
+    yci_weave_free(w);
     return result;
 }
 
@@ -9152,6 +9179,8 @@ YC_API void yc_chart_destroy(yc_chart *chart) {
 #define YCI_KNIT_CUTS 4                       /* at most so many, */
 #define YCI_KNIT_STEP 0.12                    /* a share of the segment's length from each other */
 #define YCI_KNIT_SWEEPS 400                   /* of the springs that place loops */
+#define YCI_KNIT_LEAST 1e-3                   /* shares of a stitch, of yarn between two visits */
+#define YCI_KNIT_STUB 0.15 /* widths of a stitch; nothing is visited closer to where an outline cuts the yarn */
 
 /* A loop. Its base is where it is drawn through older ones or, if it is drawn through none, in its row between its
  * neighbours. */
@@ -9188,6 +9217,7 @@ typedef struct {
     int used, last;               /* how many were taken from the needle; the loop at the yarn's end */
     int row, dir, shaped;         /* shaped: loops are not all where rows and columns meet */
     double width, height, around; /* m, of a stitch; around the tube, 0 when flat */
+    double scale;                 /* of u over lengths as laid */
     double (*force)[3];           /* [loop_count], on loops and the stiffness they feel */
     double (*speed)[2];
     double (*place)[2]; /* [node_count], m */
@@ -9209,7 +9239,8 @@ YC_API yc_knit_desc yc_knit_desc_default(void) {
     wool.fibre = YC_FIBRE_WOOL, wool.tex = 440.0;
     d.cookie = YCI_DESC_COOKIE;
     d.stitches = 20, d.rows = 24, d.wales = 220.0, d.courses = 300.0;
-    d.yarn = yci_yarn_make(&wool);
+    d.yarn = d.rod = yci_yarn_make(&wool);
+    d.rod.density *= 2.0;
     return d;
 }
 
@@ -9218,7 +9249,8 @@ YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out) {
     if (!out || yc_fabric_get(name, &fabric) != YC_OK || fabric.woven) return YC_ERROR_ARGUMENT;
     *out = yc_knit_desc_default();
     out->chart = name == YC_FABRIC_RIB ? &yci_knit_rib : &yci_knit_plain;
-    out->wales = fabric.wales, out->courses = fabric.courses, out->loop = fabric.loop, out->yarn = fabric.yarn;
+    out->wales = fabric.wales, out->courses = fabric.courses, out->loop = fabric.loop;
+    out->yarn = out->rod = fabric.yarn, out->rod.density *= 2.0;
     return YC_OK;
 }
 
@@ -9243,6 +9275,22 @@ static yc_result yci_knit_check_chart(yci_context *c, const yc_chart *chart) {
     return YC_OK;
 }
 
+/* What counts only where a knit is cut to pieces of a pattern. */
+static yc_result yci_knit_check_cut(yci_context *c, const yc_knit_desc *d) {
+    if (!yci_finite(d->grain)) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "knit.grain = %g must be finite", d->grain);
+    if (d->edge != YC_EDGE_CUT && d->edge != YC_EDGE_SELVEDGE)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "knit.edge = %d is none of yc_edge", (int)d->edge);
+    if (d->round)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "knit.round = %d: what pieces are cut from is knitted flat", d->round);
+    if (d->live)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "knit.live = %d: pieces are cut, and have no row that is last", d->live);
+    if (d->rod.density != 0.0) {
+        yc_result result = yci_yarn_material_check(c, "knit.rod", &d->rod);
+        if (result != YC_OK) return result;
+    }
+    return yci_mesh_check(c, d->mesh);
+}
+
 static yc_result yci_knit_check(yci_context *c, const yc_knit_desc *d) {
     const double values[3] = {d->wales, d->courses, d->loop};
     static const char *const names[3] = {"wales", "courses", "loop"};
@@ -9250,8 +9298,8 @@ static yc_result yci_knit_check(yci_context *c, const yc_knit_desc *d) {
     int i;
     if (d->cookie != YCI_DESC_COOKIE)
         return YCI_FAIL(c, YC_ERROR_ARGUMENT, "knit.cookie: not made by yc_knit_desc_default()");
-    result = yci_draft_range(c, "knit.stitches", d->stitches, 1, YCI_CHART_COUNT);
-    if (result == YC_OK) result = yci_draft_range(c, "knit.rows", d->rows, 1, YCI_CHART_COUNT);
+    result = d->mesh ? YC_OK : yci_draft_range(c, "knit.stitches", d->stitches, 1, YCI_CHART_COUNT);
+    if (result == YC_OK && !d->mesh) result = yci_draft_range(c, "knit.rows", d->rows, 1, YCI_CHART_COUNT);
     if (result != YC_OK) return result;
     for (i = 0; i < 3; i++) {
         if (!yci_finite(values[i]))
@@ -9262,6 +9310,7 @@ static yc_result yci_knit_check(yci_context *c, const yc_knit_desc *d) {
     }
     result = yci_yarn_material_check(c, "knit.yarn", &d->yarn);
     if (result == YC_OK && d->chart) result = yci_knit_check_chart(c, d->chart);
+    if (result == YC_OK && d->mesh) result = yci_knit_check_cut(c, d);
     return result;
 }
 
@@ -9797,8 +9846,8 @@ static int yci_knit_visits_of(const yci_knitter *k, const yci_knit_loop *loop) {
 }
 
 /* Lengths along the yarn; the mean over worked rows is then what the descriptor asks for. */
-static void yci_knit_measure(const yci_knitter *k, yc_yarns *y) {
-    double d[3], worked = 0.0, least = 1e-3 * yci_min(k->width, k->height), scale = 1.0;
+static void yci_knit_measure(yci_knitter *k, yc_yarns *y) {
+    double d[3], worked = 0.0, least = YCI_KNIT_LEAST * yci_min(k->width, k->height);
     int i, v, end, stitches = 0;
     for (v = 1; v < y->visit_count; v++) {
         yci_sub(d, y->layout[y->visit_node[v]], y->layout[y->visit_node[v - 1]]);
@@ -9809,8 +9858,8 @@ static void yci_knit_measure(const yci_knitter *k, yc_yarns *y) {
         if (k->loops[i].row < 1 || k->loops[i].row > k->desc->rows) continue;
         worked += y->visit_u[k->visits[end].at] - y->visit_u[k->visits[v].at], stitches++;
     }
-    if (k->desc->loop > 0.0 && worked > 0.0) scale = k->desc->loop * stitches / worked;
-    for (v = 0; v < y->visit_count; v++) y->visit_u[v] *= scale;
+    k->scale = k->desc->loop > 0.0 && worked > 0.0 ? k->desc->loop * stitches / worked : 1.0;
+    for (v = 0; v < y->visit_count; v++) y->visit_u[v] *= k->scale;
 }
 
 /* Turns the layers of crossing legs where a tube turns away: +1 stands for the side of u x v, which is the inner one
@@ -9866,23 +9915,499 @@ static yc_result yci_knit_lay(yci_knitter *k, yc_yarns *out) {
     return YC_OK;
 }
 
+/* Knits what desc asks for, or would without a mesh. *scale: that of u. */
+static yc_result yci_knit_make(yci_context *c, const yc_knit_desc *desc, yc_yarns *out, double *scale) {
+    yci_knitter k;
+    yc_result result;
+    memset(&k, 0, sizeof k);
+    k.c = c, k.desc = desc;
+    k.width = 1.0 / desc->wales, k.height = 1.0 / desc->courses;
+    k.around = desc->round ? desc->stitches * k.width : 0.0;
+    result = yci_knit_work(&k);
+    if (result == YC_OK) result = yci_knit_lay(&k, out);
+    *scale = k.scale;
+    yci_free(c, k.loops), yci_free(c, k.olds), yci_free(c, k.needle), yci_free(c, k.fresh);
+    yci_free(c, k.force), yci_free(c, k.speed), yci_free(c, k.place);
+    yci_free(c, k.visits), yci_free(c, k.contacts);
+    return result;
+}
+
+/* ---- knits cut to the pieces of a pattern ---- */
+
+/* A weaver holds what has been cut so far: nodes, yarns (its spans), visits; and makes the rods. The piece at work lies
+ * in a grid of cells as large as stitches, in the frame. */
+typedef struct {
+    yci_weaver w;
+    const yc_knit_desc *desc;
+    yc_stitch_contact *contacts; /* with numbers of w.visits */
+    int contact_count, contact_capacity;
+    double scale; /* of u */
+    /* the piece at work: what is cut, as knitted flat, its layout in the frame */
+    yc_yarns flat;
+    yci_weave_node *at;   /* [flat.node_count], in the pattern; visits: how many in all; over: whether they are left */
+    int *run;             /* [flat.visit_count], the span that a visit is left to; -1: none */
+    int *to;              /* [flat.visit_count], its number in w.visits */
+    double low[2];        /* of the grid */
+    int cells[2];         /* of the grid */
+    int *first, *members; /* [cells + 2], nodes or half-edges of the outline */
+} yci_knit_cutter;
+
+/* How many stitches, at least so many, the chart turns into as many again; 0: none that is near. */
+static int yci_knit_fitting(yci_context *c, const yc_chart *chart, int least) {
+    int n, row, times;
+    for (n = least; n < least + 1000 + 2 * chart->multiple[0]; n++) {
+        double needle = n;
+        for (row = 0; row < chart->row_count; row++)
+            if (needle > YCI_KNIT_LOOPS || yci_chart_fit(c, chart, row, (int)needle, &times, &needle) != YC_OK) break;
+        if (row == chart->row_count && needle == n) return n;
+    }
+    return 0;
+}
+
+/* Knits a piece that covers the box: some stitches and rows more, and more of them where loops move. */
+static yc_result yci_knit_cover(yci_knit_cutter *t, int triangle, const double *low, const double *high) {
+    const double size[2] = {1.0 / t->desc->wales, 1.0 / t->desc->courses};
+    const yc_chart *chart = t->desc->chart ? t->desc->chart : &yci_knit_plain;
+    yc_knit_desc d = *t->desc;
+    double need[2], least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {-HUGE_VAL, -HUGE_VAL};
+    int i, f, shaped = 0;
+    yc_result result;
+    for (i = 0; i < chart->item_count; i++)
+        shaped |= yci_stitches[chart->items[i].stitch].uses != yci_stitches[chart->items[i].stitch].makes;
+    for (f = 0; f < 2; f++) need[f] = ceil((high[f] - low[f]) / size[f] * (shaped ? 1.15 : 1.0)) + 4.0;
+    if (!(need[0] * need[1] <= YCI_KNIT_LOOPS))
+        return YCI_FAIL(t->w.c, YC_ERROR_ARGUMENT,
+            "knit.wales = %g, courses = %g: the rectangle around the piece of mesh.triangles[%d] takes about %.3g "
+            "loops, more than %d",
+            t->desc->wales, t->desc->courses, triangle, need[0] * need[1], YCI_KNIT_LOOPS);
+    d.stitches = yci_knit_fitting(t->w.c, chart, (int)need[0]), d.rows = (int)need[1], d.live = 1;
+    if (!d.stitches)
+        return YCI_FAIL(t->w.c, YC_ERROR_ARGUMENT,
+            "knit.chart: no number of stitches from %.0f on, which the piece of mesh.triangles[%d] takes, fits its "
+            "rows and is left after them",
+            need[0], triangle);
+    result = yci_knit_make(t->w.c, &d, &t->flat, &t->scale);
+    if (result != YC_OK) return result;
+    for (i = 0; i < t->flat.node_count; i++)
+        for (f = 0; f < 2; f++)
+            least[f] = yci_min(least[f], t->flat.layout[i][f]), most[f] = yci_max(most[f], t->flat.layout[i][f]);
+    for (i = 0; i < t->flat.node_count; i++)
+        for (f = 0; f < 2; f++) t->flat.layout[i][f] += 0.5 * (low[f] + high[f] - least[f] - most[f]);
+    for (f = 0; f < 2; f++) {
+        t->low[f] = low[f] - 0.5 * size[f];
+        t->cells[f] = (int)((high[f] - low[f]) / size[f]) + 2;
+    }
+    return YC_OK;
+}
+
+/* The column or row of cells in which x lies; outside the grid, the nearest. */
+static int yci_knit_cell(const yci_knit_cutter *t, int f, double x) {
+    double cell = floor((x - t->low[f]) * (f ? t->desc->courses : t->desc->wales));
+    return (int)yci_clamp(cell, 0.0, t->cells[f] - 1.0);
+}
+
+/* Enters something in a cell: at first it is counted, then listed. */
+static void yci_knit_enter(yci_knit_cutter *t, int column, int row, int item, int list) {
+    int *first = t->first + row * t->cells[0] + column;
+    if (list) t->members[first[1]++] = item;
+    else first[2]++;
+}
+
+static void yci_knit_enter_nodes(yci_knit_cutter *t, int list) {
+    int i;
+    for (i = 0; i < t->flat.node_count; i++)
+        yci_knit_enter(
+            t, yci_knit_cell(t, 0, t->flat.layout[i][0]), yci_knit_cell(t, 1, t->flat.layout[i][1]), i, list);
+}
+
+/* Half-edges of the outline, row by row of cells. */
+static void yci_knit_enter_edges(yci_knit_cutter *t, int piece, int list) {
+    const yci_weaver *w = &t->w;
+    double close = 1e-6 / t->desc->wales, tall = 1.0 / t->desc->courses;
+    int i, k, row, last, column, end;
+    for (i = w->piece_first[piece]; i < w->piece_first[piece + 1]; i++)
+        for (k = 0; k < 3; k++) {
+            int half = 3 * w->piece_triangle[i] + k;
+            double p[2], q[2];
+            if (yci_weave_interior(w, half)) continue;
+            yci_weave_to_frame(w, yci_weave_uv(w, half), p);
+            yci_weave_to_frame(w, yci_weave_uv(w, yci_half_next(half)), q);
+            row = yci_knit_cell(t, 1, yci_min(p[1], q[1]) - close);
+            last = yci_knit_cell(t, 1, yci_max(p[1], q[1]) + close);
+            for (; row <= last; row++) {
+                double x[2], y = t->low[1] + row * tall;
+                x[0] = p[0], x[1] = q[0];
+                if (fabs(q[1] - p[1]) > close) { /* what of it lies in this row */
+                    double a = yci_clamp((y - close - p[1]) / (q[1] - p[1]), 0.0, 1.0);
+                    double b = yci_clamp((y + tall + close - p[1]) / (q[1] - p[1]), 0.0, 1.0);
+                    x[0] = p[0] + a * (q[0] - p[0]), x[1] = p[0] + b * (q[0] - p[0]);
+                }
+                column = yci_knit_cell(t, 0, yci_min(x[0], x[1]) - close);
+                end = yci_knit_cell(t, 0, yci_max(x[0], x[1]) + close);
+                for (; column <= end; column++) yci_knit_enter(t, column, row, half, list);
+            }
+        }
+}
+
+/* Fills the grid with nodes, or with the outline of a piece. */
+static int yci_knit_grid(yci_knit_cutter *t, int piece, int outline) {
+    int cells = t->cells[0] * t->cells[1], list, i;
+    yci_free(t->w.c, t->first), yci_free(t->w.c, t->members);
+    t->members = NULL, t->first = YCI_NEW(t->w.c, int, (size_t)cells + 2);
+    if (!t->first) return 0;
+    for (list = 0; list < 2; list++) {
+        if (list) {
+            for (i = 0; i < cells; i++) t->first[i + 2] += t->first[i + 1];
+            t->members = YCI_NEW(t->w.c, int, t->first[cells + 1]);
+            if (!t->members) return 0;
+        }
+        if (outline) yci_knit_enter_edges(t, piece, list);
+        else yci_knit_enter_nodes(t, list);
+    }
+    return 1;
+}
+
+static double yci_knit_depth(const yci_weave_node *node) {
+    return yci_min(yci_min(node->weights[0], node->weights[1]), node->weights[2]);
+}
+
+/* Finds the triangles in which nodes lie: those that no triangle has are outside. */
+static yc_result yci_knit_locate(yci_knit_cutter *t, int piece) {
+    const yci_weaver *w = &t->w;
+    double close = 1e-6 / t->desc->wales, flush = 1e-9; /* m; of weights */
+    int i, k, f, row, column, from[2], end[2];
+    for (i = 0; i < t->flat.node_count; i++) {
+        yci_weave_from_frame(w, t->flat.layout[i], t->at[i].place);
+        t->at[i].triangle = -1;
+    }
+    for (k = w->piece_first[piece]; k < w->piece_first[piece + 1]; k++) {
+        int triangle = w->piece_triangle[k];
+        double p[3][2];
+        for (i = 0; i < 3; i++) yci_weave_to_frame(w, yci_weave_uv(w, 3 * triangle + i), p[i]);
+        for (f = 0; f < 2; f++) {
+            from[f] = yci_knit_cell(t, f, yci_min(yci_min(p[0][f], p[1][f]), p[2][f]) - close);
+            end[f] = yci_knit_cell(t, f, yci_max(yci_max(p[0][f], p[1][f]), p[2][f]) + close);
+        }
+        for (row = from[1]; row <= end[1]; row++)
+            for (column = from[0]; column <= end[0]; column++) {
+                const int *cell = t->first + row * t->cells[0] + column;
+                for (i = cell[0]; i < cell[1]; i++) {
+                    yci_weave_node *node = t->at + t->members[i], here = *node;
+                    double depth;
+                    here.triangle = -1;
+                    yci_weave_claim(&t->w, triangle, &here);
+                    depth = yci_knit_depth(&here);
+                    if (depth < -flush) continue;
+                    if (node->triangle < 0) *node = here;
+                    else if (yci_min(depth, yci_knit_depth(node)) > flush)
+                        return yci_weave_overlap(&t->w, 3 * triangle);
+                    else if (depth > yci_knit_depth(node)) *node = here;
+                }
+            }
+    }
+    return YC_OK;
+}
+
+static int yci_knit_inside(const yci_knit_cutter *t, int visit) {
+    return t->at[t->flat.visit_node[visit]].triangle >= 0;
+}
+
+/* The next place, along the yarn from visit v to the next one, where that enters the piece, or leaves it. after: where
+ * it left it last, and entered it. */
+static int yci_knit_cut_next(const yci_knit_cutter *t, int v, int enter, const double after[2], yci_weave_cut *cut) {
+    const double *p = t->flat.layout[t->flat.visit_node[v]], *q = t->flat.layout[t->flat.visit_node[v + 1]];
+    double d[2], a[2], b[2], along, sides[2];
+    int f, i, row, column, from[2], end[2];
+    cut->half = -1;
+    for (f = 0; f < 2; f++) {
+        d[f] = q[f] - p[f];
+        from[f] = yci_knit_cell(t, f, yci_min(p[f], q[f])), end[f] = yci_knit_cell(t, f, yci_max(p[f], q[f]));
+    }
+    for (row = from[1]; row <= end[1]; row++)
+        for (column = from[0]; column <= end[0]; column++) {
+            const int *cell = t->first + row * t->cells[0] + column;
+            for (i = cell[0]; i < cell[1]; i++) {
+                int half = t->members[i];
+                yci_weave_to_frame(&t->w, yci_weave_uv(&t->w, half), a);
+                yci_weave_to_frame(&t->w, yci_weave_uv(&t->w, yci_half_next(half)), b);
+                sides[0] = d[0] * (a[1] - p[1]) - d[1] * (a[0] - p[0]);
+                sides[1] = d[0] * (b[1] - p[1]) - d[1] * (b[0] - p[0]);
+                /* The piece lies to the left of its outline: an edge that runs to the right is left behind. */
+                if ((sides[0] <= 0.0) == (sides[1] <= 0.0) || (sides[0] > 0.0) != enter) continue;
+                along = ((a[0] - p[0]) * (b[1] - a[1]) - (a[1] - p[1]) * (b[0] - a[0])) /
+                    (d[0] * (b[1] - a[1]) - d[1] * (b[0] - a[0]));
+                if (!(along >= -1e-9 && along <= 1.0 + 1e-9 && along > after[enter] && along >= after[!enter]))
+                    continue;
+                if (cut->half >= 0 && (along > cut->along || (along == cut->along && half >= cut->half))) continue;
+                cut->along = along, cut->half = half, cut->share = sides[0] / (sides[0] - sides[1]);
+            }
+        }
+    return cut->half >= 0;
+}
+
+/* A yarn begins, at a cut or, where rounding hides that, at a visit. */
+static yci_weave_span *yci_knit_begin_run(yci_weaver *w, int visit, const yci_weave_cut *cut) {
+    yci_weave_span *span;
+    if (!YCI_RESERVE(w->c, w->spans, w->span_capacity, w->span_count, w->span_count + 1)) return NULL;
+    span = &w->spans[w->span_count++];
+    memset(span, 0, sizeof *span);
+    span->family = YC_WEFT, span->tip[0] = span->tip[1] = -1, span->first = visit;
+    span->half[0] = cut ? cut->half : -1, span->share[0] = cut ? cut->share : 0.0;
+    span->half[1] = -1;
+    return span;
+}
+
+/* Follows the yarn: where it is inside it makes spans, whose `first` and `count` are visits of the flat piece. */
+static int yci_knit_runs(yci_knit_cutter *t) {
+    yci_weaver *w = &t->w;
+    yci_weave_span *span = NULL;
+    yci_weave_cut cut;
+    int v;
+    for (v = 0; v < t->flat.visit_count; v++) {
+        int inside = yci_knit_inside(t, v), enter;
+        double after[2] = {-1.0, -1.0};
+        if (!inside) span = NULL;
+        else if (!span && !(span = yci_knit_begin_run(w, v, NULL))) return 0;
+        t->run[v] = span ? w->span_count - 1 : -1;
+        if (span) span->count++;
+        if (v + 1 == t->flat.visit_count || (!span && !yci_knit_inside(t, v + 1))) continue;
+        for (enter = !span; yci_knit_cut_next(t, v, enter, after, &cut); enter = !enter) {
+            after[enter] = cut.along;
+            if (!enter) span->half[1] = cut.half, span->share[1] = cut.share, span = NULL;
+            else if (!(span = yci_knit_begin_run(w, v + 1, &cut))) return 0;
+        }
+    }
+    return 1;
+}
+
+/* Takes visits that are too close to where their yarn is cut from it. */
+static void yci_knit_trim(yci_knit_cutter *t, int begin) {
+    yci_weaver *w = &t->w;
+    int i, e;
+    for (i = begin; i < w->span_count; i++)
+        for (e = 0; e < 2; e++) {
+            yci_weave_span *span = &w->spans[i];
+            yci_weave_node tip;
+            while (span->count && span->half[e] >= 0) {
+                int v = e ? span->first + span->count - 1 : span->first;
+                const double *x = t->at[t->flat.visit_node[v]].place;
+                double d[2], stub = YCI_KNIT_STUB / t->desc->wales;
+                yci_weave_place(w, &tip, span->half[e], span->share[e]);
+                d[0] = tip.place[0] - x[0], d[1] = tip.place[1] - x[1];
+                if (d[0] * d[0] + d[1] * d[1] >= stub * stub) break;
+                t->run[v] = -1, span->count--, span->first += !e;
+            }
+        }
+}
+
+/* Marks nodes that keep all visits and, in stitch contacts, have their partner whole and all yarn between both. */
+static void yci_knit_mark_whole(yci_knit_cutter *t) {
+    const yc_yarns *y = &t->flat;
+    int i, k;
+    for (i = 0; i < y->node_count; i++) t->at[i].over = t->at[i].visits > 1;
+    for (i = 0; i < y->visit_count; i++)
+        if (t->run[i] < 0) t->at[y->visit_node[i]].over = 0;
+    for (i = 0; i < y->contact_count; i++) {
+        const yc_stitch_contact *s = y->contacts + i;
+        yci_weave_node *a = t->at + y->visit_node[s->visit[0][0]], *b = t->at + y->visit_node[s->visit[0][1]];
+        int whole = a->over && b->over;
+        for (k = 0; k < 2; k++) whole = whole && t->run[s->visit[k][0]] == t->run[s->visit[k][1]];
+        a->over = b->over = whole;
+    }
+}
+
+/* Leaves out yarns that cross nothing, which may leave others without a crossing. Returns how many yarns stay. */
+static int yci_knit_prune(yci_knit_cutter *t, int begin) {
+    yci_weaver *w = &t->w;
+    int i, k, pruned = 1, left = 0;
+    while (pruned) {
+        yci_knit_mark_whole(t);
+        for (i = begin, pruned = left = 0; i < w->span_count; i++) {
+            yci_weave_span *span = &w->spans[i];
+            int crossings = 0, end = span->first + span->count;
+            for (k = span->first; k < end; k++) crossings += t->at[t->flat.visit_node[k]].over;
+            if (crossings && span->count + (span->half[0] >= 0) + (span->half[1] >= 0) > 1) {
+                left++;
+                continue;
+            }
+            pruned |= span->count > 0;
+            for (k = span->first; k < end; k++) t->run[k] = -1;
+            span->count = 0;
+        }
+    }
+    return left;
+}
+
+/* Copies what is left of the piece. A visit whose node is not whole gets one of its own. */
+static yc_result yci_knit_keep(yci_knit_cutter *t, int begin) {
+    yci_weaver *w = &t->w;
+    yci_weave_node *node;
+    int i, k, e, last;
+    for (i = 0; i < t->flat.node_count; i++) t->at[i].visits = -1; /* its number from now on */
+    for (i = begin; i < w->span_count; i++) {
+        yci_weave_span *span = &w->spans[i];
+        int first = span->first;
+        span->first = w->visit_count;
+        for (k = first; k < first + span->count; k++) {
+            yci_weave_node *from = t->at + t->flat.visit_node[k];
+            if (from->visits < 0 || !from->over) {
+                node = yci_weave_push_node(w);
+                if (!node) return yci_out_of_memory(w->c, "the nodes of a knit");
+                *node = *from, node->visits = 0, from->visits = w->node_count - 1;
+            }
+            w->nodes[from->visits].visits++, t->to[k] = w->visit_count;
+            if (yci_weave_push_visit(w, from->visits, 0.0) != YC_OK)
+                return yci_out_of_memory(w->c, "the visits of a knit");
+            if (from->over) w->visits[t->to[k]].layer = t->flat.visit_layer[k];
+        }
+        for (e = 0; e < 2 && span->count; e++) {
+            if (span->half[e] < 0) continue;
+            node = yci_weave_push_node(w);
+            if (!node) return yci_out_of_memory(w->c, "the nodes of a knit");
+            span->tip[e] = w->node_count - 1, node->visits = 1;
+            yci_weave_place(w, node, span->half[e], span->share[e]);
+        }
+    }
+    for (i = 0; i < t->flat.contact_count; i++) {
+        const yc_stitch_contact *s = t->flat.contacts + i;
+        if (!t->at[t->flat.visit_node[s->visit[0][0]]].over) continue;
+        last = t->contact_count;
+        if (!YCI_RESERVE(w->c, t->contacts, t->contact_capacity, last, last + 1))
+            return yci_out_of_memory(w->c, "the contacts of a knit");
+        t->contacts[last] = *s, t->contact_count++;
+        for (k = 0; k < 4; k++) t->contacts[last].visit[k / 2][k % 2] = t->to[s->visit[k / 2][k % 2]];
+    }
+    return YC_OK;
+}
+
+static yc_result yci_knit_piece(yci_knit_cutter *t, int piece) {
+    yci_context *c = t->w.c;
+    double low[2], high[2];
+    int i, begin = t->w.span_count, triangle = t->w.piece_triangle[t->w.piece_first[piece]];
+    yc_result result;
+    yci_weave_box(&t->w, piece, low, high);
+    result = yci_knit_cover(t, triangle, low, high);
+    if (result != YC_OK) return result;
+    t->at = YCI_NEW(c, yci_weave_node, t->flat.node_count);
+    t->run = YCI_NEW(c, int, t->flat.visit_count), t->to = YCI_NEW(c, int, t->flat.visit_count);
+    if (!t->at || !t->run || !t->to || !yci_knit_grid(t, piece, 0)) result = yci_out_of_memory(c, "a piece of a knit");
+    if (result == YC_OK) result = yci_knit_locate(t, piece);
+    if (result == YC_OK && !(yci_knit_grid(t, piece, 1) && yci_knit_runs(t)))
+        result = yci_out_of_memory(c, "a piece of a knit");
+    if (result == YC_OK) {
+        for (i = 0; i < t->flat.visit_count; i++) t->at[t->flat.visit_node[i]].visits++;
+        yci_knit_trim(t, begin);
+        if (yci_knit_prune(t, begin)) result = yci_knit_keep(t, begin);
+        else
+            result = YCI_FAIL(c, YC_ERROR_ARGUMENT,
+                "knit.wales = %g, courses = %g: the piece of mesh.triangles[%d] is too small for a loop",
+                t->desc->wales, t->desc->courses, triangle);
+    }
+    yci_free(c, t->flat.owner), yci_free(c, t->at), yci_free(c, t->run), yci_free(c, t->to);
+    t->at = NULL, t->run = t->to = NULL;
+    return result;
+}
+
+/* A yarn of the network: `at` receives its visits' nodes, as numbered there. */
+static void yci_knit_fill_yarn(const yci_knit_cutter *t, const yci_weave_span *span, const int *number, yc_yarns *y) {
+    const yci_weaver *w = &t->w;
+    double least = YCI_KNIT_LEAST * yci_min(1.0 / t->desc->wales, 1.0 / t->desc->courses), d[2][3], cross[3];
+    int rod = span->family == YC_ROD, yarn = y->yarn_count++, first = y->yarn_first[yarn], v = first, k, e;
+    for (k = -(span->tip[0] >= 0); k < span->count + (span->tip[1] >= 0); k++, v++) {
+        const yci_weave_visit *at = k < 0 || k == span->count ? NULL : &w->visits[span->first + k];
+        int old = at ? at->node : span->tip[k >= 0];
+        y->visit_node[v] = number[old], y->visit_held[v] = rod || w->nodes[old].visits == 1;
+        if (at && w->nodes[old].visits > 1) y->visit_layer[v] = at->layer;
+        if (v == first) continue;
+        yci_sub(d[0], y->layout[y->visit_node[v]], y->layout[y->visit_node[v - 1]]);
+        y->visit_u[v] = rod ? at->along - w->visits[span->first].along
+                            : y->visit_u[v - 1] + t->scale * yci_max(yci_norm(d[0]), least);
+    }
+    y->yarn_family[yarn] = (unsigned char)span->family, y->yarn_material[yarn] = rod;
+    y->yarn_first[yarn + 1] = v;
+    for (e = 0; e < 2; e++) {
+        y->visit_held[e ? v - 1 : first] = 1;
+        if (rod || span->tip[e] < 0 || w->twin[span->half[e]] >= 0 || t->desc->edge == YC_EDGE_CUT) continue;
+        y->visit_held[e ? v - 1 : first] = 2; /* and the crossing next to it is held */
+        for (k = 1; w->nodes[w->visits[span->first + (e ? span->count - k : k - 1)].node].visits < 2;) k++;
+        y->visit_held[e ? v - 1 - k : first + k] = 1;
+    }
+    for (k = first + 1; k + 1 < v && !rod; k++) { /* it turns at rest as it is laid */
+        for (e = 0; e < 2; e++) yci_sub(d[e], y->layout[y->visit_node[k + e]], y->layout[y->visit_node[k + e - 1]]);
+        yci_cross(cross, d[0], d[1]);
+        y->visit_turn[k] = atan2(yci_norm(cross), yci_dot(d[0], d[1]));
+    }
+}
+
+static yc_result yci_knit_finish(yci_knit_cutter *t, yc_yarns *out) {
+    const yci_weaver *w = &t->w;
+    yc_yarns y;
+    char *block;
+    int *number, i, k, tips;
+    memset(&y, 0, sizeof y);
+    for (i = 0; i < w->node_count; i++) y.node_count += w->nodes[i].visits > 0;
+    for (i = 0; i < w->span_count; i++) {
+        const yci_weave_span *span = &w->spans[i];
+        y.yarn_count += span->count > 0;
+        if (span->count) y.visit_count += span->count + (span->tip[0] >= 0) + (span->tip[1] >= 0);
+    }
+    y.material_count = 1 + (t->desc->rod.density > 0.0), y.contact_count = t->contact_count;
+    number = YCI_NEW(w->c, int, yci_max(w->node_count, w->visit_count));
+    block = (char *)yci_alloc(w->c, yci_weave_arrays(&y, NULL, 1, YCI_TURNS), 1);
+    if (!number || !block) {
+        yci_free(w->c, number);
+        yci_free(w->c, block);
+        return yci_out_of_memory(w->c, "a yarn network");
+    }
+    yci_weave_arrays(&y, block, 1, YCI_TURNS);
+    y.materials[0] = t->desc->yarn;
+    if (y.material_count > 1) y.materials[1] = t->desc->rod;
+    yci_weave_fill_nodes(w, &y, number);
+    for (i = 0, y.yarn_count = 0; i < w->span_count; i++)
+        if (w->spans[i].count) yci_knit_fill_yarn(t, &w->spans[i], number, &y);
+    for (i = 0, tips = 0; i < w->span_count; i++) { /* from now on numbers of visits */
+        const yci_weave_span *span = &w->spans[i];
+        if (!span->count) continue;
+        tips += span->tip[0] >= 0;
+        for (k = span->first; k < span->first + span->count; k++) number[k] = k + tips;
+        tips += span->tip[1] >= 0;
+    }
+    for (i = 0; i < y.contact_count; i++) {
+        y.contacts[i] = t->contacts[i];
+        for (k = 0; k < 4; k++) y.contacts[i].visit[k / 2][k % 2] = number[t->contacts[i].visit[k / 2][k % 2]];
+    }
+    yci_free(w->c, number);
+    *out = y;
+    return YC_OK;
+}
+
+static yc_result yci_knit_cut_out(yci_context *c, const yc_knit_desc *desc, yc_yarns *out) {
+    yc_weave_desc like; /* what rods look at */
+    yci_knit_cutter t;
+    yc_result result;
+    int piece;
+    memset(&t, 0, sizeof t);
+    like = yc_weave_desc_default();
+    like.spacing[0] = 1.0 / desc->wales, like.spacing[1] = 1.0 / desc->courses, like.rod = desc->rod;
+    t.desc = desc, t.w.c = c, t.w.desc = &like, t.w.mesh = desc->mesh;
+    t.w.uvt = desc->mesh->uv_triangles ? desc->mesh->uv_triangles : desc->mesh->triangles;
+    t.w.turn[0] = cos(desc->grain), t.w.turn[1] = sin(desc->grain);
+    result = yci_weave_pieces(&t.w);
+    for (piece = 0; piece < t.w.piece_count && result == YC_OK; piece++) result = yci_knit_piece(&t, piece);
+    if (result == YC_OK && desc->rod.density > 0.0) result = yci_weave_rods(&t.w);
+    if (result == YC_OK) result = yci_knit_finish(&t, out);
+    yci_free(c, t.first), yci_free(c, t.members), yci_free(c, t.contacts);
+    yci_weave_free(&t.w);
+    return result;
+}
+
 YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns *out, char *message) {
     yci_context c;
-    yci_knitter k;
+    double scale;
     yc_result result = yci_context_init(&c, host);
-    memset(&k, 0, sizeof k);
-    k.c = &c, k.desc = desc;
     if (result == YC_OK && (!desc || !out)) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "desc and out must not be NULL");
     if (result == YC_OK) result = yci_knit_check(&c, desc);
-    if (result == YC_OK) {
-        k.width = 1.0 / desc->wales, k.height = 1.0 / desc->courses;
-        k.around = desc->round ? desc->stitches * k.width : 0.0;
-        result = yci_knit_work(&k);
-    }
-    if (result == YC_OK) result = yci_knit_lay(&k, out);
-    yci_free(&c, k.loops), yci_free(&c, k.olds), yci_free(&c, k.needle), yci_free(&c, k.fresh);
-    yci_free(&c, k.force), yci_free(&c, k.speed), yci_free(&c, k.place);
-    yci_free(&c, k.visits), yci_free(&c, k.contacts);
+    if (result == YC_OK) result = desc->mesh ? yci_knit_cut_out(&c, desc, out) : yci_knit_make(&c, desc, out, &scale);
     if (result == YC_OK) memcpy(out->owner, &c, sizeof c);
     return yci_report(&c, result, message);
 }
@@ -13712,6 +14237,22 @@ static yc_result yci_knit_check_stacks(yci_context *c, const yc_yarns *y) {
     return r;
 }
 
+/* Stitch contacts know of no triangles: those below a knit must have left the mechanics. */
+static yc_result yci_knit_check_alone(yci_context *c, const yc_cloth_desc *d) {
+    int i;
+    if (d->enrich_all)
+        return YCI_FAIL(
+            c, YC_ERROR_ARGUMENT, "cloth.enrich_all = %d: a knit does not mix with triangles", d->enrich_all);
+    if (!d->alpha && d->alpha_uniform != 1.0)
+        return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.alpha_uniform = %g must be 1: a knit does not mix with triangles",
+            d->alpha_uniform);
+    for (i = 0; d->alpha && i < d->mesh.vertex_count; i++)
+        if (d->alpha[i] != 1.0)
+            return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.alpha[%d] = %g must be 1: a knit does not mix with triangles",
+                i, d->alpha[i]);
+    return YC_OK;
+}
+
 static yc_result yci_cloth_check(yci_context *c, const yc_cloth_desc *d) {
     yc_result r;
     if (!d) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth descriptor is NULL");
@@ -13722,8 +14263,8 @@ static yc_result yci_cloth_check(yci_context *c, const yc_cloth_desc *d) {
     if (r == YC_OK && d->mesh.vertex_count) r = yci_mesh_check(c, &d->mesh);
     if (r == YC_OK && d->yarns) r = yci_yarns_check(c, d->yarns, d->mesh.vertex_count ? &d->mesh : NULL);
     if (r == YC_OK && d->yarns && d->yarns->contact_count) {
-        if (d->mesh.vertex_count) return YCI_FAIL(c, YC_ERROR_ARGUMENT, "cloth.mesh: a knit cannot lie on one");
-        r = yci_knit_check_stacks(c, d->yarns);
+        r = d->mesh.vertex_count ? yci_knit_check_alone(c, d) : YC_OK;
+        if (r == YC_OK) r = yci_knit_check_stacks(c, d->yarns);
     }
     if (r == YC_OK) r = yci_scene_range(c, "cloth.alpha_uniform", d->alpha_uniform, 0.0, 1.0, 0);
     if (r == YC_OK) r = yci_array_check(c, "alpha", d->alpha, d->mesh.vertex_count, 0.0, 1.0, 0);
@@ -17077,6 +17618,10 @@ static void yci_change_run(yci_change *w, int yarn, int next, int k, int last) {
         if (w->part[from]) {
             int own = yci_change_node(w);
             yci_copy(w->to[w->cloth].layout[own], y->layout[node]);
+            if (y->triangle) {
+                w->to[w->cloth].triangle[own] = y->triangle[node];
+                yci_copy(w->to[w->cloth].weights[own], y->weights[node]);
+            }
             yci_change_event(w, YC_EVENT_PART, yarn, own, node);
             yci_change_push(w, own, y->visit_u[k], y->visit_layer[k], y->visit_held[k], from);
         } else if (!w->drop[from]) yci_change_push(w, node, y->visit_u[k], y->visit_layer[k], y->visit_held[k], from);
