@@ -6414,7 +6414,9 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol ? chol->co
  * stays one. Knitting works them stitch by stitch on a needle of loops (yci_knit_loop): what is drawn through what, in
  * which order, from the front, all turned to how it looks from the right side. A bar that m1 lifts becomes a loop of
  * its row after the fact. Springs then place the loops' bases; nodes, visits and contacts follow from loops alone, see
- * yc_knit.
+ * yc_knit. Over a pattern, a piece of knitting that covers an island is laid flat in its frame; nodes are looked up in
+ * triangles, segments of yarn cut by the outline, by a grid of cells as large as stitches, and what is inside goes into
+ * the weaver, which makes the rods.
  *
  * Promises: the result depends on nothing but the inputs; time is linear in triangles, crossings and yarns, but for the
  * sorting of the cuts; working memory is freed before return, and the network is one block.
@@ -9969,7 +9971,7 @@ static yc_result yci_knit_cover(yci_knit_cutter *t, int triangle, const double *
     const double size[2] = {1.0 / t->desc->wales, 1.0 / t->desc->courses};
     const yc_chart *chart = t->desc->chart ? t->desc->chart : &yci_knit_plain;
     yc_knit_desc d = *t->desc;
-    double need[2], least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {-HUGE_VAL, -HUGE_VAL};
+    double need[2], shift[2], least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {-HUGE_VAL, -HUGE_VAL};
     int i, f, shaped = 0;
     yc_result result;
     for (i = 0; i < chart->item_count; i++)
@@ -9991,8 +9993,11 @@ static yc_result yci_knit_cover(yci_knit_cutter *t, int triangle, const double *
     for (i = 0; i < t->flat.node_count; i++)
         for (f = 0; f < 2; f++)
             least[f] = yci_min(least[f], t->flat.layout[i][f]), most[f] = yci_max(most[f], t->flat.layout[i][f]);
+    for (f = 0; f < 2; f++) shift[f] = 0.5 * (low[f] + high[f] - least[f] - most[f]);
+    /* Sides that run along columns shall fall between two. */
+    if ((d.stitches - (int)((high[0] - low[0]) / size[0] + 0.5)) % 2) shift[0] += 0.5 * size[0];
     for (i = 0; i < t->flat.node_count; i++)
-        for (f = 0; f < 2; f++) t->flat.layout[i][f] += 0.5 * (low[f] + high[f] - least[f] - most[f]);
+        for (f = 0; f < 2; f++) t->flat.layout[i][f] += shift[f];
     for (f = 0; f < 2; f++) {
         t->low[f] = low[f] - 0.5 * size[f];
         t->cells[f] = (int)((high[f] - low[f]) / size[f]) + 2;

@@ -1,6 +1,6 @@
 /* Knits that are left to themselves, drawn yarn by yarn.
  *
- *     knit [curl|rib|garter|lace|unravel]      all of them without a name
+ *     knit [curl|rib|garter|lace|unravel|piece]      all of them without a name
  *
  * curl    stockinette: its sides roll towards the purl side, its ends towards the knit side (after YARN, Fig. 7);
  *         drawn while it rolls, which only weight or the cloth itself would stop
@@ -8,13 +8,19 @@
  * garter  knit rows on both sides: it lies flat
  * lace    decreases, whose loops are stacked, and yarn-overs, which leave holes
  * unravel garter that is not bound off; its end is drawn off sideways, and it comes undone loop by loop (YARN, Fig. 13)
- * Each is cast on and worked with one yarn of wool; the first four are bound off, are given their rest shape, and then
- * let their contacts unwrap. Each prints a line and writes out/knit-NAME.png, as seen from the right side. Weight is
+ * piece   the sleeve of a T-shirt, cut from stockinette and sewn up: its yarns end at the outline, or in the rod of the
+ *         seam; edges that hang free roll up
+ * All but the last are cast on and worked with one yarn of wool; the first four are bound off, are given their rest
+ * shape, and then let their contacts unwrap. Each prints a line and writes out/knit-NAME.png, as seen from the right side. Weight is
  * left out. */
+#include "common/ex_obj.h"
 #include "common/ex_yarns.h"
 #include "tests/scenes/knits.h"
+#include "tests/scenes/pieces.h"
 #include "yarncloth.h"
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct piece {
@@ -33,10 +39,10 @@ static const piece pieces[] = {{"curl", &scene_stockinette, 20, 22, 2, {0.35, 0.
     {"rib", &scene_rib, 20, 20, 12, {0.1, 0.2, 1.0}}, {"garter", &scene_garter, 18, 22, 12, {0.1, 0.2, 1.0}},
     {"lace", &openwork, 17, 18, 8, {0.0, 0.1, 1.0}}};
 
-static int save(yc_scene *scene, const ex_yarns_view *view, const char *name, char *why) {
+static int save(yc_scene *scene, const ex_yarns_view *view, const double (*colors)[3], const char *name, char *why) {
     ex_camera camera;
     char path[64];
-    ex_image *image = ex_yarns_draw(scene, 0, view, NULL, &camera, 0, why);
+    ex_image *image = ex_yarns_draw(scene, 0, view, colors, &camera, 0, why);
     snprintf(path, sizeof path, "out/knit-%s.png", name);
     if (image && !ex_image_write_png(image, path)) snprintf(why, YC_MESSAGE_SIZE, "%s cannot be written", path);
     ex_image_free(image);
@@ -69,7 +75,7 @@ static int run(const piece *p) {
         memset(&view, 0, sizeof view);
         view.width = 1000, view.height = 900, view.zoom = 0.95, view.fuller = 1.0;
         memcpy(view.from, p->from, sizeof view.from);
-        save(k->scene, &view, p->name, why);
+        save(k->scene, &view, NULL, p->name, why);
     }
     if (why[0]) fprintf(stderr, "knit: %s: %s\n", p->name, why);
     scene_knit_free(k);
@@ -102,10 +108,112 @@ static int unravel(void) {
         memset(&view, 0, sizeof view);
         view.width = 1200, view.height = 700, view.zoom = 2.4, view.fuller = 1.0;
         view.shift[0] = -0.31 * u->way, view.from[1] = 0.15, view.from[2] = 1.0;
-        save(u->scene, &view, "unravel", why);
+        save(u->scene, &view, NULL, "unravel", why);
     }
     if (why[0]) fprintf(stderr, "knit: unravel: %s\n", why);
     scene_unravel_free(u);
+    return !why[0];
+}
+
+/* The left sleeve of a T-shirt, rolled up to a tube and welded where its seam under the arm is. NULL: see `why`. */
+static scene_piece *sleeve(char *why) {
+    const double pi = 3.14159265358979323846;
+    ex_pattern pattern;
+    char error[EX_ERROR_SIZE];
+    scene_piece *tube = NULL;
+    double wide = 0.0;
+    int i, k, s, p = 0;
+    if (!ex_pattern_read(&pattern, "examples/data/tshirt.obj", error)) {
+        snprintf(why, YC_MESSAGE_SIZE, "%s", error);
+        return NULL;
+    }
+    while (p + 1 < pattern.piece_count && pattern.pieces[p].place != EX_PLACE_SLEEVE_L) p++;
+    tube = scene_piece_new(
+        pattern.pieces[p].vertex_count, pattern.pieces[p].vertex_count, pattern.pieces[p].triangle_count);
+    if (!tube) snprintf(why, YC_MESSAGE_SIZE, "no memory for a sleeve");
+    for (i = 0; tube && i < tube->mesh.triangle_count; i++)
+        for (k = 0; k < 3; k++) {
+            const int t = pattern.pieces[p].first_triangle + i;
+            const int v = pattern.triangles[t][k] - pattern.pieces[p].first_vertex;
+            tube->triangles[i][k] = tube->uv_triangles[i][k] = v;
+            memcpy(tube->uv[v], pattern.uv[pattern.uv_triangles[t][k]], sizeof tube->uv[v]);
+            wide = fmax(wide, 2.0 * fabs(tube->uv[v][0]));
+        }
+    for (i = 0; tube && i < tube->mesh.vertex_count; i++) { /* the seam to the front */
+        double angle = 2.0 * pi * tube->uv[i][0] / wide + 0.85 * pi;
+        tube->positions[i][0] = 0.5 * wide / pi * sin(angle), tube->positions[i][2] = 0.5 * wide / pi * cos(angle);
+        tube->positions[i][1] = tube->uv[i][1];
+    }
+    for (s = 0; tube && s < pattern.seam_count; s++) {
+        const ex_seam *seam = &pattern.seams[s];
+        if (pattern.edges[seam->edge_a].piece != p || pattern.edges[seam->edge_b].piece != p) continue;
+        for (k = seam->first_pair; k < seam->first_pair + seam->pair_count; k++)
+            for (i = 0; i < 3 * tube->mesh.triangle_count; i++)
+                if (tube->triangles[i / 3][i % 3] == pattern.pairs[k][1] - pattern.pieces[p].first_vertex)
+                    tube->triangles[i / 3][i % 3] = pattern.pairs[k][0] - pattern.pieces[p].first_vertex;
+    }
+    ex_pattern_free(&pattern);
+    return tube;
+}
+
+static int cut_piece(void) {
+    enum { STEPS = 4 };
+    char why[YC_MESSAGE_SIZE] = "";
+    scene_piece *mesh = sleeve(why);
+    yc_yarn_desc wool = yc_yarn_desc_default();
+    yc_knit_desc d = yc_knit_desc_default();
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_scene *scene = NULL;
+    yc_yarns y;
+    yc_result result;
+    double(*colors)[3] = NULL, seconds = 0.0;
+    int i, n, substeps = 0, newton = 0, rods = 0;
+    if (!mesh) {
+        fprintf(stderr, "knit: piece: %s\n", why);
+        return 0;
+    }
+    memset(&y, 0, sizeof y);
+    wool.fibre = YC_FIBRE_WOOL, wool.tex = 1500.0;
+    d.mesh = &mesh->mesh, d.wales = 120.0, d.courses = 160.0;
+    result = yc_yarn_material_make(&wool, &d.yarn, why);
+    d.rod = d.yarn;
+    if (result == YC_OK) result = yc_knit(NULL, &d, &y, why);
+    if (result == YC_OK) result = yc_scene_create(NULL, &settings, &scene, why);
+    if (result == YC_OK) {
+        memset(settings.gravity, 0, sizeof settings.gravity);
+        settings.mass_damping = 20.0, settings.dt_max = 2e-3, settings.solver = YC_SOLVER_DIRECT;
+        cloth.mesh = mesh->mesh, cloth.yarns = &y, cloth.alpha_uniform = 1.0;
+        result = yc_scene_tune(scene, &settings);
+        if (result == YC_OK) result = yc_scene_add_cloth(scene, &cloth, NULL);
+        for (n = 0; n < STEPS && result == YC_OK; n++) {
+            yc_stats stats;
+            result = yc_scene_step(scene, 5e-3, &stats);
+            substeps += stats.substeps, newton += stats.newton, seconds += stats.seconds;
+        }
+        if (result != YC_OK) snprintf(why, sizeof why, "%s", yc_scene_message(scene));
+    }
+    if (result == YC_OK) colors = (double(*)[3])calloc((size_t)y.yarn_count, sizeof *colors);
+    if (colors) {
+        static const double by_rod[2][3] = {{0.93, 0.91, 0.87}, {0.60, 0.16, 0.14}};
+        ex_yarns_view view;
+        for (i = 0; i < y.yarn_count; i++) {
+            memcpy(colors[i], by_rod[y.yarn_family[i] == YC_ROD], sizeof colors[i]);
+            if (y.yarn_family[i] == YC_ROD) rods += y.yarn_first[i + 1] - y.yarn_first[i];
+        }
+        printf("piece   %d stitch contacts, %d yarns, %d ends in the seam; %d sub-steps, %.1f Newton iterations each, "
+               "%.1f s\n",
+            y.contact_count, y.yarn_count, rods, substeps, (double)newton / substeps, seconds);
+        fflush(stdout);
+        memset(&view, 0, sizeof view);
+        view.width = 1000, view.height = 800, view.zoom = 0.95, view.fuller = 1.0;
+        view.from[0] = 0.1, view.from[1] = 0.3, view.from[2] = 1.0;
+        save(scene, &view, (const double(*)[3])colors, "piece", why);
+    }
+    if (why[0]) fprintf(stderr, "knit: piece: %s\n", why);
+    yc_scene_destroy(scene);
+    yc_yarns_destroy(&y);
+    free(colors), scene_piece_free(mesh);
     return !why[0];
 }
 
@@ -114,6 +222,7 @@ int main(int argc, char **argv) {
     for (i = 0; i < n; i++)
         if (argc < 2 || strcmp(argv[1], pieces[i].name) == 0) found++, fine &= run(pieces + i);
     if (argc < 2 || strcmp(argv[1], "unravel") == 0) found++, fine &= unravel();
-    if (!found) fprintf(stderr, "knit: %s is none of curl, rib, garter, lace, unravel\n", argv[1]);
+    if (argc < 2 || strcmp(argv[1], "piece") == 0) found++, fine &= cut_piece();
+    if (!found) fprintf(stderr, "knit: %s is none of curl, rib, garter, lace, unravel, piece\n", argv[1]);
     return !(found && fine);
 }

@@ -2,7 +2,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-static scene_piece *piece_new(int vertices, int uvs, int triangles) {
+scene_piece *scene_piece_new(int vertices, int uvs, int triangles) {
     scene_piece *p = (scene_piece *)calloc(1, sizeof *p);
     if (!p) return NULL;
     p->positions = (double(*)[3])calloc((size_t)vertices, sizeof *p->positions);
@@ -38,7 +38,7 @@ double scene_piece_area(const scene_piece *p) {
 /* Rings of 6 k vertices about the middle. */
 scene_piece *scene_piece_disc(double radius, int rings) {
     int count = 1 + 3 * rings * (rings + 1), ring, side, k, c, t = 0;
-    scene_piece *p = piece_new(count, count, 6 * rings * rings);
+    scene_piece *p = scene_piece_new(count, count, 6 * rings * rings);
     if (!p) return NULL;
     for (ring = 1; ring <= rings; ring++)
         for (k = 0; k < 6 * ring; k++) {
@@ -67,7 +67,7 @@ scene_piece *scene_piece_disc(double radius, int rings) {
 /* Columns of vertices from left to right. Behind column `seam` the pattern begins anew, far off; -1: nowhere. */
 static scene_piece *grid(double width, double height, int n, int seam) {
     int rows = n + 1, i, j, c, t = 0, apart = seam >= 0;
-    scene_piece *p = piece_new(rows * rows, rows * (rows + apart), 2 * n * n);
+    scene_piece *p = scene_piece_new(rows * rows, rows * (rows + apart), 2 * n * n);
     if (!p) return NULL;
     for (i = 0; i <= n + apart; i++)
         for (j = 0; j <= n; j++) {

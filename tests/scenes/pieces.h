@@ -11,7 +11,8 @@ typedef struct scene_piece {
     int (*triangles)[3], (*uv_triangles)[3];
 } scene_piece;
 
-/* All are NULL when memory is out. */
+/* All are NULL when memory is out. New: arrays are zero. */
+scene_piece *scene_piece_new(int vertices, int uvs, int triangles);
 scene_piece *scene_piece_disc(double radius, int rings);
 /* n times so many cells. */
 scene_piece *scene_piece_rectangle(double width, double height, int n);
