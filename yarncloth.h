@@ -9182,7 +9182,7 @@ YC_API void yc_chart_destroy(yc_chart *chart) {
 #define YCI_KNIT_STEP 0.12                    /* a share of the segment's length from each other */
 #define YCI_KNIT_SWEEPS 400                   /* of the springs that place loops */
 #define YCI_KNIT_LEAST 1e-3                   /* shares of a stitch, of yarn between two visits */
-#define YCI_KNIT_STUB 0.15 /* widths of a stitch; nothing is visited closer to where an outline cuts the yarn */
+#define YCI_KNIT_STUB 0.1 /* widths of a stitch; nothing is visited closer to where an outline cuts the yarn */
 
 /* A loop. Its base is where it is drawn through older ones or, if it is drawn through none, in its row between its
  * neighbours. */
@@ -9946,7 +9946,7 @@ typedef struct {
     double scale; /* of u */
     /* the piece at work: what is cut, as knitted flat, its layout in the frame */
     yc_yarns flat;
-    yci_weave_node *at;   /* [flat.node_count], in the pattern; visits: how many in all; over: whether they are left */
+    yci_weave_node *at;   /* [flat.node_count], in the pattern; visits: how many in all; over: what of them is left */
     int *run;             /* [flat.visit_count], the span that a visit is left to; -1: none */
     int *to;              /* [flat.visit_count], its number in w.visits */
     double low[2];        /* of the grid */
@@ -9990,9 +9990,10 @@ static yc_result yci_knit_cover(yci_knit_cutter *t, int triangle, const double *
             need[0], triangle);
     result = yci_knit_make(t->w.c, &d, &t->flat, &t->scale);
     if (result != YC_OK) return result;
-    for (i = 0; i < t->flat.node_count; i++)
-        for (f = 0; f < 2; f++)
-            least[f] = yci_min(least[f], t->flat.layout[i][f]), most[f] = yci_max(most[f], t->flat.layout[i][f]);
+    for (i = 1; i + 1 < t->flat.visit_count; i++) { /* the yarn's ends stick out */
+        const double *x = t->flat.layout[t->flat.visit_node[i]];
+        for (f = 0; f < 2; f++) least[f] = yci_min(least[f], x[f]), most[f] = yci_max(most[f], x[f]);
+    }
     for (f = 0; f < 2; f++) shift[f] = 0.5 * (low[f] + high[f] - least[f] - most[f]);
     /* Sides that run along columns shall fall between two. */
     if ((d.stitches - (int)((high[0] - low[0]) / size[0] + 0.5)) % 2) shift[0] += 0.5 * size[0];
@@ -10205,7 +10206,8 @@ static void yci_knit_trim(yci_knit_cutter *t, int begin) {
         }
 }
 
-/* Marks nodes that keep all visits and, in stitch contacts, have their partner whole and all yarn between both. */
+/* Marks nodes that keep all visits, 1, and, in stitch contacts, have their partner whole and all yarn between both, 2.
+ */
 static void yci_knit_mark_whole(yci_knit_cutter *t) {
     const yc_yarns *y = &t->flat;
     int i, k;
@@ -10217,11 +10219,11 @@ static void yci_knit_mark_whole(yci_knit_cutter *t) {
         yci_weave_node *a = t->at + y->visit_node[s->visit[0][0]], *b = t->at + y->visit_node[s->visit[0][1]];
         int whole = a->over && b->over;
         for (k = 0; k < 2; k++) whole = whole && t->run[s->visit[k][0]] == t->run[s->visit[k][1]];
-        a->over = b->over = whole;
+        a->over = b->over = 2 * whole;
     }
 }
 
-/* Leaves out yarns that cross nothing, which may leave others without a crossing. Returns how many yarns stay. */
+/* Leaves out yarns without a contact, which may cross their own legs or others'. Returns how many yarns stay. */
 static int yci_knit_prune(yci_knit_cutter *t, int begin) {
     yci_weaver *w = &t->w;
     int i, k, pruned = 1, left = 0;
@@ -10229,9 +10231,9 @@ static int yci_knit_prune(yci_knit_cutter *t, int begin) {
         yci_knit_mark_whole(t);
         for (i = begin, pruned = left = 0; i < w->span_count; i++) {
             yci_weave_span *span = &w->spans[i];
-            int crossings = 0, end = span->first + span->count;
-            for (k = span->first; k < end; k++) crossings += t->at[t->flat.visit_node[k]].over;
-            if (crossings && span->count + (span->half[0] >= 0) + (span->half[1] >= 0) > 1) {
+            int contacts = 0, end = span->first + span->count;
+            for (k = span->first; k < end; k++) contacts += t->at[t->flat.visit_node[k]].over == 2;
+            if (contacts) {
                 left++;
                 continue;
             }

@@ -170,7 +170,7 @@ TEST(knit_piece_shapes) {
     d.mesh = &exact->mesh, d.grain = 0.0;
     if (CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) {
         length = check_piece(&y, &d);
-        CHECK(y.contact_count > 2 * 18 * 18 && y.contact_count <= 2 * 20 * 20);
+        CHECK(y.contact_count == 2 * 20 * 19); /* all columns */
         yc_yarns_destroy(&y);
         d.loop = 1.1 * length / 400.0;
         if (CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) {
@@ -206,7 +206,7 @@ TEST(knit_piece_charts) {
         if (!CHECK_RESULT(yc_chart_read(NULL, rows[i], strlen(rows[i]), NULL, &chart, message), YC_OK)) continue;
         if (CHECK_RESULT(yc_knit(NULL, &d, &y, message), YC_OK)) {
             check_piece(&y, &d);
-            CHECK_NEAR(y.contact_count / (2.0 * scene_piece_area(disc) * d.wales * d.courses), 0.96, 0.15);
+            CHECK_NEAR(y.contact_count / (2.0 * scene_piece_area(disc) * d.wales * d.courses), 1.0, 0.2);
             for (k = 0, stacks = 0; k < y.visit_count; k++) stacks += y.visit_layer[k] > 1;
             CHECK((stacks > 0) == (i == 2 || i == 3));
             yc_yarns_destroy(&y);
@@ -266,7 +266,7 @@ TEST(knit_piece_seam) {
         tied = y.yarn_first[i + 1] - y.yarn_first[i];
         n = y.yarn_first[i + 1] - 1;
         length += y.visit_u[n];
-        CHECK(y.visit_u[n] > 0.9 * 0.03 && y.visit_u[n] <= 0.03 + 1e-12);
+        CHECK(y.visit_u[n] > 0.75 * 0.03 && y.visit_u[n] <= 0.03 + 1e-12);
         for (k = n - tied + 2; k <= n; k++) CHECK(y.visit_u[k] - y.visit_u[k - 1] > 1e-4);
     }
     CHECK(tied > 14 && tied < 60); /* of 2 x 9 courses, each at least once */
