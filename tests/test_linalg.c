@@ -419,7 +419,7 @@ static void system_close(linear_system *s) {
 static void system_compare(linear_system *s, const int *order, int spd) {
     const yci_bsr *m = &s->m;
     int size = m->off[m->n], i, j, k, level;
-    double *x = (double *)malloc(3 * (size_t)(size + 1) * sizeof(double));
+    double *x = (double *)calloc(3 * (size_t)(size + 1), sizeof(double));
     double *z = (double *)malloc(3 * (size_t)(size + 1) * sizeof(double));
     double *y = (double *)malloc(3 * (size_t)(size + 1) * sizeof(double)), *work, worst = 0.0, largest = 0.0;
     uint64_t seed = 99;
