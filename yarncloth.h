@@ -590,6 +590,7 @@ typedef enum yc_fabric_name {
     YC_FABRIC_JERSEY,      /* cotton, single jersey */
     YC_FABRIC_RIB,         /* wool, 1x1 rib, machine-knitted */
     YC_FABRIC_STOCKINETTE, /* wool, hand-knitted */
+    YC_FABRIC_SWEATER,     /* wool, garter stitch */
     YC_FABRIC_COUNT
 } yc_fabric_name;
 
@@ -728,8 +729,9 @@ YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
  * With a mesh the layout is the pattern's; yarns end on the outline of their island, in a node of their own, and are
  * tied to a rod along every edge where two islands are welded, as yc_weave does it. A stitch contact of which the
  * outline cuts a part goes as a whole: its yarns pass there alone. Yarn without any contact is left out. Since
- * yc_knit_relax cannot settle such pieces, their yarns turn at rest as they are laid: but for wrapping they lie still,
- * at the gauge that was asked for.
+ * yc_knit_relax cannot settle such pieces, their yarns turn at rest as they are laid, u is measured along the layout,
+ * and the yarn's density carries the factor by which `loop` is longer: but for wrapping they lie still, at the gauge
+ * that was asked for, and weigh what they should.
  * desc  not NULL; out  receives the network, untouched on failure; free with yc_yarns_destroy. Its materials are the
  *       yarn and, with a mesh, the rod unless rod.density is 0
  * Errors: ARGUMENT (the message names the field, or line, row and stitch of the chart and what does not fit), TOPOLOGY
@@ -8693,7 +8695,13 @@ static const yci_fabric_row yci_fabric_rows[] = {
     {"wool stockinette",
         "DK yarn at the gauge of its label; bending is an order of magnitude, KES and drape values are not known.",
         YC_FIBRE_WOOL, 0, {440, 440}, {2.2, 3}, 19, {0, 0}, 2.5, NULL, {450, 600}, {{0, 0}, {0, 0}}, {0, 0}, {0, 0}, 0,
-        {0, 0}, {0, 0}}};
+        {0, 0}, {0, 0}},
+    {"wool sweater",
+        "Garter stitch with the 6.5 stitches per inch of the sweater in Cirio, Lopez-Moreno, Otaduy 2017; loop and "
+        "courses from the dry-relaxed constants of Munden 1959 for plain knitting, yarn from a tightness of 13; KES "
+        "and drape values are not known.",
+        YC_FIBRE_WOOL, 0, {370, 370}, {2.56, 3.37}, 14.8, {0, 0}, 2.5, NULL, {400, 550}, {{0, 0}, {0, 0}}, {0, 0},
+        {0, 0}, 0, {0, 0}, {0, 0}}};
 
 static void yci_fabric_range(double out[2], const double in[2], double unit) {
     out[0] = in[0] * unit, out[1] = in[1] * unit;
@@ -9230,8 +9238,10 @@ typedef struct {
 
 static const yc_chart_item yci_knit_items[] = {{YC_STITCH_K, 1}, {YC_STITCH_P, 1}};
 static const yc_chart_row yci_knit_rows_plain[] = {{0, 0, 0, 0, 1, 1}, {0, 1, 1, 1, 2, 2}};
+static const yc_chart_row yci_knit_rows_garter[] = {{0, 0, 0, 0, 1, 1}, {0, 1, 0, 0, 1, 1}};
 static const yc_chart_row yci_knit_rows_rib[] = {{0, 0, 0, 0, 2, 2}, {0, 1, 0, 0, 2, 2}};
 static const yc_chart yci_knit_plain = {{1, 0}, 2, yci_knit_rows_plain, 2, yci_knit_items, NULL};
+static const yc_chart yci_knit_garter = {{1, 0}, 2, yci_knit_rows_garter, 2, yci_knit_items, NULL};
 static const yc_chart yci_knit_rib = {{2, 0}, 2, yci_knit_rows_rib, 2, yci_knit_items, NULL};
 
 YC_API yc_knit_desc yc_knit_desc_default(void) {
@@ -9250,7 +9260,7 @@ YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out) {
     yc_fabric fabric;
     if (!out || yc_fabric_get(name, &fabric) != YC_OK || fabric.woven) return YC_ERROR_ARGUMENT;
     *out = yc_knit_desc_default();
-    out->chart = name == YC_FABRIC_RIB ? &yci_knit_rib : &yci_knit_plain;
+    out->chart = name == YC_FABRIC_RIB ? &yci_knit_rib : name == YC_FABRIC_SWEATER ? &yci_knit_garter : &yci_knit_plain;
     out->wales = fabric.wales, out->courses = fabric.courses, out->loop = fabric.loop;
     out->yarn = out->rod = fabric.yarn, out->rod.density *= 2.0;
     return YC_OK;
@@ -9943,7 +9953,8 @@ typedef struct {
     const yc_knit_desc *desc;
     yc_stitch_contact *contacts; /* with numbers of w.visits */
     int contact_count, contact_capacity;
-    double scale; /* of u */
+    double scale; /* of the yarn in a stitch over what is laid, of the largest piece */
+    int largest;  /* visits that were cut for it */
     /* the piece at work: what is cut, as knitted flat, its layout in the frame */
     yc_yarns flat;
     yci_weave_node *at;   /* [flat.node_count], in the pattern; visits: how many in all; over: what of them is left */
@@ -9971,7 +9982,7 @@ static yc_result yci_knit_cover(yci_knit_cutter *t, int triangle, const double *
     const double size[2] = {1.0 / t->desc->wales, 1.0 / t->desc->courses};
     const yc_chart *chart = t->desc->chart ? t->desc->chart : &yci_knit_plain;
     yc_knit_desc d = *t->desc;
-    double need[2], shift[2], least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {-HUGE_VAL, -HUGE_VAL};
+    double scale, need[2], shift[2], least[2] = {HUGE_VAL, HUGE_VAL}, most[2] = {-HUGE_VAL, -HUGE_VAL};
     int i, f, shaped = 0;
     yc_result result;
     for (i = 0; i < chart->item_count; i++)
@@ -9988,8 +9999,9 @@ static yc_result yci_knit_cover(yci_knit_cutter *t, int triangle, const double *
             "knit.chart: no number of stitches from %.0f on, which the piece of mesh.triangles[%d] takes, fits its "
             "rows and is left after them",
             need[0], triangle);
-    result = yci_knit_make(t->w.c, &d, &t->flat, &t->scale);
+    result = yci_knit_make(t->w.c, &d, &t->flat, &scale);
     if (result != YC_OK) return result;
+    if (t->flat.visit_count > t->largest) t->largest = t->flat.visit_count, t->scale = scale;
     for (i = 1; i + 1 < t->flat.visit_count; i++) { /* the yarn's ends stick out */
         const double *x = t->flat.layout[t->flat.visit_node[i]];
         for (f = 0; f < 2; f++) least[f] = yci_min(least[f], x[f]), most[f] = yci_max(most[f], x[f]);
@@ -10327,8 +10339,8 @@ static void yci_knit_fill_yarn(const yci_knit_cutter *t, const yci_weave_span *s
         if (at && w->nodes[old].visits > 1) y->visit_layer[v] = at->layer;
         if (v == first) continue;
         yci_sub(d[0], y->layout[y->visit_node[v]], y->layout[y->visit_node[v - 1]]);
-        y->visit_u[v] = rod ? at->along - w->visits[span->first].along
-                            : y->visit_u[v - 1] + t->scale * yci_max(yci_norm(d[0]), least);
+        y->visit_u[v] =
+            rod ? at->along - w->visits[span->first].along : y->visit_u[v - 1] + yci_max(yci_norm(d[0]), least);
     }
     y->yarn_family[yarn] = (unsigned char)span->family, y->yarn_material[yarn] = rod;
     y->yarn_first[yarn + 1] = v;
@@ -10367,7 +10379,7 @@ static yc_result yci_knit_finish(yci_knit_cutter *t, yc_yarns *out) {
         return yci_out_of_memory(w->c, "a yarn network");
     }
     yci_weave_arrays(&y, block, 1, YCI_TURNS);
-    y.materials[0] = t->desc->yarn;
+    y.materials[0] = t->desc->yarn, y.materials[0].density *= t->scale;
     if (y.material_count > 1) y.materials[1] = t->desc->rod;
     yci_weave_fill_nodes(w, &y, number);
     for (i = 0, y.yarn_count = 0; i < w->span_count; i++)
