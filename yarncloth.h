@@ -6,8 +6,8 @@
  *                            #include "yarncloth.h"
  *   Everywhere else:         #include "yarncloth.h"
  *
- * DOES NOT (yet): mix knits with triangles; homogenised volumes, GPU, single precision, changing the yarn region while a
- * scene runs, contact of yarns in one layer beyond what the weave gives.
+ * DOES NOT (yet): mix knits with triangles; homogenised volumes, GPU, single precision, changing the yarn region while
+ * a scene runs, contact of yarns in one layer beyond what the weave gives.
  *
  * HELLO. A 20 cm swatch, held at two corners, swings for a second; see examples/hello.c, which is this text:
  *
