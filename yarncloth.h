@@ -714,7 +714,8 @@ typedef struct yc_knit_desc {
 YC_API yc_knit_desc yc_knit_desc_default(void);
 
 /* A knit fabric that has a name, as yc_fabric_get tells of it: its chart, wales, courses, loop, yarn, and a rod of that
- * yarn, twice as heavy; the rest is the default. Errors: ARGUMENT (out NULL, a woven fabric, or a name that is none); then *out is untouched. */
+ * yarn, twice as heavy; the rest is the default. Errors: ARGUMENT (out NULL, a woven fabric, or a name that is none);
+ * then *out is untouched. */
 YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
 
 /* Knits. The network's layout is seen from the right side, the cast-on at the bottom (z = 0; in the round a tube about

@@ -417,8 +417,8 @@ TEST(knit_piece_out_of_memory) {
     scene_piece_free(halves);
 }
 
-/* T-shirt cotton, a sweater's and a hand-knitted wool: a piece of each weighs what such a fabric does, and rolls up, which is
- * all that wrapping makes of it. */
+/* T-shirt cotton, a sweater's and a hand-knitted wool: a piece of each weighs what such a fabric does, and rolls up,
+ * which is all that wrapping makes of it. */
 TEST(knit_piece_fabrics) {
     static const yc_fabric_name names[3] = {YC_FABRIC_JERSEY, YC_FABRIC_SWEATER, YC_FABRIC_STOCKINETTE};
     int i, k, n;
