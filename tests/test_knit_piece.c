@@ -358,8 +358,7 @@ TEST(knit_piece_refuses) {
     REFUSED((d.wales = 1e6, d.courses = 1e5), YC_ERROR_ARGUMENT,
         "knit.wales = 1e+06, courses = 100000: the rectangle around the piece of mesh.triangles[0] takes about "
         "1.6e+08 loops, more than 25000000");
-    if (CHECK_RESULT(
-            yc_chart_read(NULL, "Row 1 (RS): k2, *k2tog, repeat from *.", 38, NULL, &chart, message), YC_OK)) {
+    if (CHECK_RESULT(yc_chart_read(NULL, "Row 1 (RS): k2, *k2tog, repeat from *.", 38, NULL, &chart, message), YC_OK)) {
         REFUSED(d.chart = &chart, YC_ERROR_ARGUMENT,
             "knit.chart: no number of stitches from 15 on, which the piece of mesh.triangles[0] takes, fits its rows "
             "and is left after them");
