@@ -766,7 +766,9 @@ typedef struct yc_scene_desc {
      * twentieth of this. A step of h thus accepts a speed error of tolerance / h. > 0; preview 1e-4, default 1e-5,
      * reference 1e-8. */
     double tolerance;
-    int newton_limit; /* Newton iterations of a sub-step; >= 1; preview 8, else 400 */
+    /* Newton iterations of a sub-step; >= 1; preview 8, else 400. A step that has taken this many for each sub-step it
+     * was to have, and for 32 more, fails with the next sub-step that does */
+    int newton_limit;
     /* what happens when they do not suffice. 0: the sub-step is halved. Nonzero: the last iterate, the lowest in
      * energy, is taken and counted in stats.unfinished; preview 1, else 0 */
     int best_effort;
@@ -13635,7 +13637,9 @@ static yc_result yci_system_factor(yci_system *s) {
  *
  * c the mass damping, M the mass at q_n (its derivative is dropped, as in MIX 4.2), V all elastic, gravity, damping,
  * contact and friction terms; friction and compression are lagged: their normal forces are those of q_n. A sub-step
- * ends no higher in E than it began, so any step size stays finite; one that fails is restored and halved.
+ * ends no higher in E than it began, so any step size stays finite; one that fails is restored and halved. A user's
+ * step is bounded: with more iterations than newton_limit times its planned sub-steps and YCI_RETRIES, the next failure
+ * is its own.
  *
  * Newton, with positive semidefinite element Hessians. Where a stiff segment of length l turns by a, the linear step
  * makes it longer by l a^2 / 2, and the tension of that, were it let into the Hessian, would all but forbid to turn any
@@ -13653,19 +13657,25 @@ static yc_result yci_system_factor(yci_system *s) {
  * drawn over posts 6 instead of 73 with the parabola throughout.
  *
  * Line searches keep the predicted tension in the Hessian, not in the gradient, which is that of E. A turn by a makes
- * a stiff segment longer by l a^2 / 2, so that E falls over short ways only: where a share t of the direction fails, the
- * tension there that the linear model lacks, taken along the yarn as it lay, is put to the factor at hand, and what that
- * moves is added (the second-order correction of constrained optimisation, Nocedal and Wright, ch. 15). Of a share t
- * next tension is t times the predicted one and the rest the state's own. Stockinette of 20 x 22 let go: 1,200
- * iterations and 3 rejected sub-steps instead of 2,545 and 61. newton_limit is far off, since halving a step that is on
- * its way starts it again: a satin whose crossings snap one after the other took 5,200 iterations with 40, 950 so.
+ * a stiff segment longer by l a^2 / 2, so that E falls over short ways only: where a share t of the direction fails,
+ * the tension there that the linear model lacks, taken along the yarn as it lay, is put to the factor at hand, and
+ * what that moves is added (the second-order correction of constrained optimisation, Nocedal and Wright, ch. 15). Of a
+ * share t next tension is t times the predicted one and the rest the state's own. Stockinette of 14 x 14 let go, with
+ * this and the next paragraph: 337 iterations and no rejected sub-step instead of 1,635 and 27. newton_limit is far
+ * off, since halving a step that is on its way starts it again: over wide ranges of a satin, whose crossings snap one
+ * after the other, 5,600 iterations, and 9,900 where corrections had to fall by half within 40.
  *
  * Cloth that buckles has a mode whose stiffness is negative or a small difference, of which a positive semidefinite
  * Hessian knows nothing: kinks of satin between crossings that slide have six times the stiffness that way, and
- * corrections creep. Where they have not fallen by half three times, an eighth of the part that makes elements
- * semidefinite is kept, then an eighth of that, at last none; where there is no factor the share rises fourfold. The
- * added part is a shift by what the elements themselves lack. Only for direct solves: an incomplete factor would not
- * tell.
+ * corrections creep. Where they have not fallen by half three times, a quarter of the part that makes elements
+ * semidefinite is kept, then a quarter of that, at last none; where there is no factor the share rises fourfold, and
+ * falls again after half as many more iterations, twelve at most. The added part is a shift by what the elements
+ * themselves lack. Only for direct solves: an incomplete factor would not tell.
+ *
+ * Yarn that slides without friction, and long steps leave it no inertia, has modes that cost less than E's rounding:
+ * the matrix has no factor, or corrections are what rounding makes of them, without end. Then, and where the linear
+ * model promises a fall of less than 1e-15 of E's terms, sliding is made stiffer by 1e-9 of the matrix's diagonal, at
+ * most 1e-6: E and its gradient stay, the mode stays where it is.
  *
  * Small steps of yarns without crimp begin where the last one points to. After a sub-step that three whole steps at
  * most have ended, the next begins at free flight, q_n + h v_n, unless E is higher there than at q_n, and with the
@@ -13865,7 +13875,10 @@ typedef struct yci_local {
 #define YCI_NET_NODES 9       /* yarn nodes per cell of a coarse net: 25 take twice the iterations at 5 ms */
 #define YCI_NEAR 10.0         /* tolerances: a shorter Newton step may be the last but for one that need not be taken */
 #define YCI_CONVEX (1.0 / 64.0) /* least share of semidefinite Hessians where the exact ones have no factor */
-#define YCI_PATIENCE 3          /* Newton iterations without a lower E before line searches begin */
+#define YCI_PATIENCE 3          /* Newton iterations without a lower E before line searches begin, and without */
+#define YCI_PATIENCE_MOST 12    /* shorter corrections before the share of semidefinite Hessians falls; at most */
+#define YCI_SHIFT 1e-6          /* of the diagonal: most by which sliding is stiffened that would cost nothing */
+#define YCI_RETRIES 32          /* sub-steps of newton_limit iterations beyond the planned ones, in a step */
 #define YCI_JAM_WIDTH 0.05      /* rad, over which shear jamming rises to its full stiffness */
 #define YCI_TURN_WIDTH 0.3      /* rad, likewise for the bending of a knit's yarns */
 #define YCI_TAIL 0.15           /* pitches: a yarn's end slides out of a crossing that is closer */
@@ -13934,6 +13947,7 @@ typedef struct yci_model {
     yci_local *local; /* [YCI_CHUNK] */
     double slope;     /* of E along the direction, J */
     double h, rate;   /* s; stiffness damping / h. h = 0: energies alone, without damping and friction */
+    double shift;     /* how much stiffer sliding is made, as a share, where it costs nothing */
     double convex;    /* share of the elements' semidefinite Hessians; the rest is that of the exact ones */
     double eased;     /* m: what the last prediction may have left out where tension fell */
     int searching;    /* whether line searches are on */
@@ -16211,6 +16225,11 @@ static void yci_eval_form(const yc_scene *s, int kind, int i, int mode, int proj
     }
 }
 
+/* Whether the two Hessians of a kind differ. */
+static int yci_is_projected(int kind) {
+    return kind <= YCI_SHEAR || kind == YCI_WRAP || kind == YCI_FACE || kind == YCI_HINGE;
+}
+
 /* The same with the Hessian that Newton's method takes, between the exact and the semidefinite one. */
 static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *out) {
     const double convex = s->model->convex;
@@ -16218,6 +16237,7 @@ static void yci_eval(const yc_scene *s, int kind, int i, int mode, yci_local *ou
     int k;
     yci_eval_form(s, kind, i, mode, convex > 0.0, out);
     if (mode != YCI_HESSIAN || convex == 0.0 || convex == 1.0) return;
+    if (!yci_is_projected(kind)) return;
     yci_eval_form(s, kind, i, mode, 0, &exact);
     for (k = 0; k < out->dofs * out->dofs; k++) out->h[k] = convex * out->h[k] + (1.0 - convex) * exact.h[k];
 }
@@ -16589,16 +16609,38 @@ static double yci_seconds(void) {
     return ticks == (clock_t)-1 ? 0.0 : (double)ticks / CLOCKS_PER_SEC;
 }
 
+/* Makes sliding stiffer by a share of itself, in the matrix alone. */
+static void yci_stiffen(yc_scene *s, double share) {
+    yci_model *m = s->model;
+    const yci_bsr *a = &m->system.a;
+    int i;
+    for (i = 0; i < m->slide_count; i++) {
+        int visit = m->slide[i].visit, node = m->system_node[s->visit_node[visit]];
+        a->val[a->at[a->diag[node]] + (size_t)(m->visit_slot[visit] * (a->dim[node] + 1))] *= 1.0 + share;
+    }
+}
+
+/* Ten times the shift, up to YCI_SHIFT; false where it is there. */
+static int yci_shift_more(yci_model *m) {
+    if (m->shift >= YCI_SHIFT) return 0;
+    m->shift = yci_clamp(10.0 * m->shift, 1e-3 * YCI_SHIFT, YCI_SHIFT);
+    return 1;
+}
+
 /* Solves for the direction; the matrix and the gradient are those of the present state. Only the two levels come close
  * enough to the inverse to tell how far it would move what is left. */
 static yc_result yci_direction(yc_scene *s, double tolerance, yc_stats *stats) {
     yci_model *m = s->model;
     int i, size = yci_system_size(&m->system);
     double slope = 0.0, scale;
-    yc_result result = yci_system_factor(&m->system);
-    while (result == YC_ERROR_NOT_SPD && m->convex < 1.0) {
-        m->convex = yci_min(1.0, yci_max(4.0 * m->convex, YCI_CONVEX));
+    yc_result result;
+    yci_stiffen(s, m->shift);
+    result = yci_system_factor(&m->system);
+    while (result == YC_ERROR_NOT_SPD) {
+        if (m->convex < 1.0) m->convex = yci_min(1.0, yci_max(4.0 * m->convex, YCI_CONVEX));
+        else if (!yci_shift_more(m)) break;
         yci_potential(s, YCI_HESSIAN, &scale);
+        yci_stiffen(s, m->shift);
         result = yci_system_factor(&m->system);
     }
     if (result != YC_OK) return result;
@@ -16855,9 +16897,10 @@ static int yci_newton_is_near(yc_scene *s, double tolerance, double best, yc_sta
 static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
     yci_model *m = s->model;
     yc_result result;
-    double tolerance = s->desc.tolerance, best = HUGE_VAL, last = HUGE_VAL, scale;
+    double tolerance = s->desc.tolerance, best = HUGE_VAL, last = HUGE_VAL, scale, convex;
     int iteration, size = yci_system_size(&m->system), waited = 0, slow = 0, lost = 0, tense = m->tense;
-    m->convex = 1.0, m->tense = 0, m->searching = 0;
+    int patience = YCI_PATIENCE;
+    m->convex = 1.0, m->shift = 0.0, m->tense = 0, m->searching = 0;
     /* Friction has a scale of its own: the slip over one step at which the brake lets go. The floor keeps a halved
      * sub-step from being asked for more than the one that failed. */
     if (m->touch_count || m->pairs.count)
@@ -16881,16 +16924,18 @@ static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
         } else if (!m->searching && ++waited > YCI_PATIENCE) lost = 1;
         if (lost) continue;
         stats->seconds_assembly += yci_seconds() - clock, clock = yci_seconds();
+        convex = m->convex, stats->newton++;
         result = yci_direction(s, tolerance, stats);
         stats->seconds_solve += yci_seconds() - clock, clock = yci_seconds();
         if (result != YC_OK) return result == YC_ERROR_MEMORY ? result : YC_ERROR_DIVERGED;
-        stats->newton++;
         stats->correction = yci_vector_largest(m->direction, size);
         if (!(stats->correction < 1e9))
             return YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "a Newton step of %g m", stats->correction);
         slow = stats->correction > 0.5 * last ? slow + 1 : 0, last = stats->correction;
-        if (slow && slow % YCI_PATIENCE == 0 && m->solver == YC_SOLVER_DIRECT)
-            m->convex = m->convex > YCI_CONVEX / 16.0 ? 0.125 * m->convex : 0.0;
+        if (m->convex > convex) patience = patience < YCI_PATIENCE_MOST ? patience + patience / 2 : patience, slow = 0;
+        if (slow >= patience && -m->slope < 1e-15 * scale) yci_shift_more(m), slow = 0;
+        else if (slow >= patience && m->solver == YC_SOLVER_DIRECT)
+            m->convex = m->convex > YCI_CONVEX / 16.0 ? 0.25 * m->convex : 0.0, slow = 0;
         lost = !m->searching && yci_length_limit(s) < 1.0;
         if (lost) continue;
         if (m->searching) result = yci_line_search(s, energy, scale, stats->correction);
@@ -18191,6 +18236,7 @@ YC_API yc_result yc_scene_load(yc_scene *s, const void *buffer, size_t size) {
 /* Sub-steps until dt is done. The caller restores the state when this fails. */
 static yc_result yci_advance(yc_scene *s, double dt, yc_stats *stats) {
     double start = s->time, remaining = dt, h = yci_min(s->dt, s->desc.dt_max);
+    double most = s->desc.newton_limit * (YCI_RETRIES + ceil(dt / h));
     yc_result result;
     int i;
     while (remaining > 0.0) {
@@ -18201,7 +18247,7 @@ static yc_result yci_advance(yc_scene *s, double dt, yc_stats *stats) {
         if (result == YC_OK) result = yci_substep(s, step, step / remaining, stats);
         if (result == YC_ERROR_DIVERGED && 0.5 * step >= s->desc.dt_min) {
             h = 0.5 * step, stats->rejected++;
-            continue;
+            if (stats->newton <= most) continue;
         }
         if (result != YC_OK) return result;
         stats->substeps++;

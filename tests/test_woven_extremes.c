@@ -227,6 +227,65 @@ TEST(woven_extremes_creased) {
     swatch_free(&w);
 }
 
+/* Long steps without friction: that yarns slide through one another costs less than rounding, so the matrix has no
+ * factor, and what Newton's method corrects is noise. */
+TEST(woven_extremes_free_sliding) {
+    static const double tolerance[3] = {1e-6, 1e-8, 1e-10};
+    yc_weave_desc d = weave_of(STRAIGHT);
+    yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
+    int i, k, step;
+    d.warp.friction = d.weft.friction = 0.0;
+    settings.dt_max = 1e3, settings.dt_min = 100.0, settings.mass_damping = 1.0;
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    for (k = 0; k < 3; k++) {
+        swatch w;
+        int newton = 0, rejected = 0;
+        settings.tolerance = tolerance[k];
+        for (step = swatch_new(&w, &d, &settings, 0.0) ? 1 : 7; step <= 6; step++) {
+            yc_stats stats;
+            double force = 0.0, f[3];
+            draw(&w, 0.01 * step);
+            if (!CHECK_RESULT(yc_scene_step(w.scene, 1e3, &stats), YC_OK)) break;
+            newton += stats.newton, rejected += stats.rejected;
+            for (i = 0; i < w.yarns.node_count; i++)
+                if (side_of(&w, i) > 0) yc_scene_pin_force(w.scene, 0, YC_NODE, i, f), force += f[0];
+            CHECK_NEAR(force, 10.0 * d.weft.stretch * 0.01 * step, 1e-5);
+        }
+        printf(
+            "   free sliding to %g m: %d Newton iterations, %d rejected sub-steps\n", tolerance[k], newton, rejected);
+        CHECK(newton <= 150 && rejected <= 2);
+        swatch_free(&w);
+    }
+}
+
+static int count_to_thousand(void *user, double fraction) {
+    (void)fraction;
+    return ++*(int *)user == 1000;
+}
+
+/* A step whose sub-steps go on failing ends: here one iteration is hardly ever enough. */
+TEST(woven_extremes_work_of_a_step_is_bounded) {
+    yc_host host;
+    yc_weave_desc d = weave_of(STRAIGHT);
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_scene *scene = NULL;
+    yc_yarns yarns;
+    int calls = 0;
+    memset(&host, 0, sizeof host);
+    host.progress = count_to_thousand, host.user = &calls;
+    d.size[0] = d.size[1] = 10.0 * d.spacing[0];
+    settings.dt_max = 0.1, settings.dt_min = 1e-9, settings.newton_limit = 1, settings.tolerance = 1e-7;
+    if (!CHECK_RESULT(yc_weave(NULL, &d, NULL, &yarns, NULL), YC_OK)) return;
+    cloth.yarns = &yarns;
+    CHECK_RESULT(yc_scene_create(&host, &settings, &scene, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_add_cloth(scene, &cloth, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, 0, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_step(scene, 0.1, NULL), YC_ERROR_DIVERGED);
+    CHECK(calls > 2 && calls < 100);
+    yc_scene_destroy(scene), yc_yarns_destroy(&yarns);
+}
+
 /* What lies outside is refused in words that name the field and its value. */
 TEST(woven_extremes_outside) {
     enum { FIELDS = 8, VALUES = 3 };
