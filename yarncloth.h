@@ -1432,44 +1432,6 @@ YC_FN double yci_angle_difference(double a, double b) {
 #define YCI_LU_LEFT 480                          /* columns left of a block whose rows are exchanged together */
 #define YCI_PIVOT_TOLERANCE (64.0 * DBL_EPSILON) /* a pivot this small against what it came from is rounding error */
 
-/* The product of two rows of n numbers. Most have three, or five: a crossing's. */
-YC_FN double yci_block_dot(int n, const double *a, const double *b) {
-    double sum = 0.0;
-    if (n == 3) return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-    if (n == 5) return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3] + a[4] * b[4];
-    for (int i = 0; i < n; i++) sum += a[i] * b[i];
-    return sum;
-}
-
-/* y -= A x and y -= A'x for a row-major block of m x n. */
-YC_FN void yci_block_subtract(int m, int n, const double *a, const double *x, double *y) {
-    for (int i = 0; i < m; i++) y[i] -= yci_block_dot(n, a + i * n, x);
-}
-YC_FN void yci_block_subtract_transposed(int m, int n, const double *a, const double *x, double *y) {
-    int i, j;
-    if (n == 3) {
-        double y0 = y[0], y1 = y[1], y2 = y[2];
-        for (i = 0; i < m; i++, a += 3) y0 -= a[0] * x[i], y1 -= a[1] * x[i], y2 -= a[2] * x[i];
-        y[0] = y0, y[1] = y1, y[2] = y2;
-    } else if (n == 5) {
-        double y0 = y[0], y1 = y[1], y2 = y[2], y3 = y[3], y4 = y[4];
-        for (i = 0; i < m; i++, a += 5) {
-            y0 -= a[0] * x[i], y1 -= a[1] * x[i], y2 -= a[2] * x[i];
-            y3 -= a[3] * x[i], y4 -= a[4] * x[i];
-        }
-        y[0] = y0, y[1] = y1, y[2] = y2, y[3] = y3, y[4] = y4;
-    } else
-        for (i = 0; i < m; i++, a += n)
-            for (j = 0; j < n; j++) y[j] -= a[j] * x[i];
-}
-
-/* D = C - A B' for row-major C and D (m x n), which may be one, A (m x k), B (n x k). */
-YC_FN void yci_block_subtract_product(
-    int m, int n, int k, const double *a, const double *b, const double *c, double *d) {
-    for (int i = 0; i < m; i++)
-        for (int j = 0; j < n; j++) d[i * n + j] = c[i * n + j] - yci_block_dot(k, a + i * k, b + j * k);
-}
-
 /* A = G G' in place: the lower triangle of the row-major n x n block becomes G, the upper is neither read nor written.
  * reference[i * stride] is the size that pivot i came from, before anything was subtracted: a pivot lost in its
  * rounding counts as zero. Returns 1 when A is positive definite; NaN and infinity are not. */
@@ -1708,6 +1670,17 @@ typedef struct {
     const double *a[YCI_BLOCK_TERMS], *b[YCI_BLOCK_TERMS];
 } yci_block_terms;
 
+/* A triangular factor by rows of blocks, `at` those left of the diagonal and `corner` the inverses of those on it, all
+ * by columns; of every column, `down` are its blocks below the diagonal and `row` their rows. `y`, the vector, has
+ * YCI_BLOCK_MAX numbers for every row of blocks, zero behind dim[i]. */
+typedef struct {
+    int count;
+    const int *dim, *ptr, *col, *down_ptr, *down, *row;
+    const size_t *at, *corner;
+    const double *val;
+    double *y;
+} yci_substitution;
+
 typedef struct yci_kernels {
     const char *name;
 
@@ -1773,6 +1746,9 @@ typedef struct yci_kernels {
      * multiplied by x + off[col[k]]. Behind them YCI_BLOCK_MAX numbers may be read. */
     void (*row)(
         int m, int count, const int *col, const int *dim, const int *off, const double *a, const double *x, double *y);
+
+    /* y := inverse(L L') y. Behind the factor YCI_BLOCK_MAX numbers may be read, all of them finite. */
+    void (*substitute)(const yci_substitution *t);
 } yci_kernels;
 
 #ifdef YC_USE_LAPACK
@@ -3262,12 +3238,84 @@ YCI_TARGET static void YCI_(yci_row)(
     else YCI_(yci_row_some)(m, count, col, dim, off, a, x, y);
 }
 
+/* Row i of y, its m numbers, with zeros behind. */
+YCI_TARGET YCI_INLINE void YCI_(yci_substitute_put)(int m, const V *s, double *y) {
+    int v;
+    YCI_UNROLL
+    for (v = 0; v < (m + V_W - 1) / V_W; v++)
+        V_STORE(y + V_W * v, V_PICK(V_SET((double)m), V_ADD(V_COUNT, V_SET((double)(V_W * v))), s[v], V_SET(0.0)));
+}
+
+/* y_i := G_i (y_i - sum L_ij y_j), G the inverse corner. */
+YCI_TARGET YCI_INLINE void YCI_(yci_substitute_down)(const yci_substitution *t, int i, int m) {
+    const int vectors = (m + V_W - 1) / V_W;
+    double *y = t->y + YCI_BLOCK_MAX * (size_t)i;
+    V s[1][YCI_BLOCK_MAX / V_W];
+    int k, v;
+    YCI_UNROLL
+    for (v = 0; v < vectors; v++) s[0][v] = V_LOAD(y + V_W * v);
+    for (k = t->ptr[i]; k < t->ptr[i + 1]; k++) {
+        int j = t->col[k];
+        YCI_(yci_block_accumulate)(1, vectors, t->dim[j], t->val + t->at[k], m, t->y + YCI_BLOCK_MAX * (size_t)j, s);
+    }
+    YCI_UNROLL
+    for (v = 0; v < vectors; v++) V_STORE(y + V_W * v, V_SUB(V_SET(0.0), s[0][v])), s[0][v] = V_SET(0.0);
+    YCI_(yci_block_accumulate)(1, vectors, m, t->val + t->corner[i], m, y, s);
+    YCI_(yci_substitute_put)(m, s[0], y);
+}
+
+/* p[c] += column c of A, by n numbers of y. */
+YCI_TARGET YCI_INLINE void YCI_(yci_substitute_dots)(int m, int n, const double *a, const double *y, V *p) {
+    int c, v;
+    for (v = 0; v < n; v += V_W) {
+        V x = V_LOAD(y + v);
+        YCI_UNROLL
+        for (c = 0; c < m; c++) p[c] = V_FMA(V_LOAD(a + n * c + v), x, p[c]);
+    }
+}
+
+/* y_i := G_i' (y_i - sum L_ki' y_k). */
+YCI_TARGET YCI_INLINE void YCI_(yci_substitute_up)(const yci_substitution *t, int i, int m) {
+    double *y = t->y + YCI_BLOCK_MAX * (size_t)i;
+    V p[YCI_BLOCK_MAX], s[YCI_BLOCK_MAX / V_W];
+    int c, k, v;
+    YCI_UNROLL
+    for (c = 0; c < YCI_BLOCK_MAX; c++) p[c] = V_SET(0.0);
+    for (k = t->down_ptr[i]; k < t->down_ptr[i + 1]; k++) {
+        int j = t->row[k];
+        YCI_(yci_substitute_dots)(m, t->dim[j], t->val + t->at[t->down[k]], t->y + YCI_BLOCK_MAX * (size_t)j, p);
+    }
+    YCI_UNROLL
+    for (v = 0; v < YCI_BLOCK_MAX / V_W; v++)
+        if (V_W * v < m) s[v] = V_SUB(V_LOAD(y + V_W * v), YCI_(yci_sums)(p + V_W * v));
+    YCI_(yci_substitute_put)(m, s, y);
+    YCI_UNROLL
+    for (c = 0; c < YCI_BLOCK_MAX; c++) p[c] = V_SET(0.0);
+    YCI_(yci_substitute_dots)(m, m, t->val + t->corner[i], y, p);
+    YCI_UNROLL
+    for (v = 0; v < YCI_BLOCK_MAX / V_W; v++)
+        if (V_W * v < m) s[v] = YCI_(yci_sums)(p + V_W * v);
+    YCI_(yci_substitute_put)(m, s, y);
+}
+
+YCI_TARGET static void YCI_(yci_substitute)(const yci_substitution *t) {
+    int i;
+    for (i = 0; i < t->count; i++)
+        if (t->dim[i] == 5) YCI_(yci_substitute_down)(t, i, 5);
+        else if (t->dim[i] == 3) YCI_(yci_substitute_down)(t, i, 3);
+        else YCI_(yci_substitute_down)(t, i, t->dim[i]);
+    for (i = t->count - 1; i >= 0; i--)
+        if (t->dim[i] == 5) YCI_(yci_substitute_up)(t, i, 5);
+        else if (t->dim[i] == 3) YCI_(yci_substitute_up)(t, i, 3);
+        else YCI_(yci_substitute_up)(t, i, t->dim[i]);
+}
+
 #define YCI_TEXT_(name) #name
 #define YCI_TEXT(name) YCI_TEXT_(name)
 static const yci_kernels YCI_(yci_kernels) = {YCI_TEXT(YCI_()), YCI_(yci_product), YCI_(yci_strips), YCI_(yci_expand),
     YCI_(yci_pack), YCI_(yci_forward), YCI_(yci_backward), YCI_(yci_tiles_factor), YCI_(yci_tiles_solve),
     YCI_(yci_finite), YCI_(yci_take), YCI_(yci_transpose), YCI_(yci_panel), YCI_(yci_exchange), YCI_(yci_update),
-    YCI_(yci_solve), YCI_(yci_solve_transposed), YCI_(yci_block), YCI_(yci_row)};
+    YCI_(yci_solve), YCI_(yci_solve_transposed), YCI_(yci_block), YCI_(yci_row), YCI_(yci_substitute)};
 
 #ifdef __clang__
 #pragma clang diagnostic pop
@@ -5827,9 +5875,11 @@ typedef struct yci_ic {
     int *diag;             /* count: the diagonal's block in the matrix */
     size_t *at, *corner;   /* first value of each block of L, and of each inverse diagonal block, both by columns */
     double *val;
-    int *mark;         /* count: block of the current row in this column, or -1 */
-    double shift;      /* what the last factorisation needed; 0: nothing */
-    int diagonal_only; /* 1 when even the last shift failed */
+    int *down_ptr, *down, *row; /* of every column its blocks below the diagonal and their rows, the last one first */
+    double *y;                  /* [YCI_BLOCK_MAX count] */
+    int *mark;                  /* count: block of the current row in this column, or -1 */
+    double shift;               /* what the last factorisation needed; 0: nothing */
+    int diagonal_only;          /* 1 when even the last shift failed */
 } yci_ic;
 
 static void yci_ic_destroy(yci_ic *f) {
@@ -5838,7 +5888,7 @@ static void yci_ic_destroy(yci_ic *f) {
     c = f->c;
     yci_free(c, f->node), yci_free(c, f->off), yci_free(c, f->dim), yci_free(c, f->ptr), yci_free(c, f->col);
     yci_free(c, f->source), yci_free(c, f->diag), yci_free(c, f->at), yci_free(c, f->corner), yci_free(c, f->val);
-    yci_free(c, f->mark);
+    yci_free(c, f->mark), yci_free(c, f->down_ptr), yci_free(c, f->down), yci_free(c, f->row), yci_free(c, f->y);
     yci_free(c, f);
 }
 
@@ -5861,6 +5911,13 @@ static void yci_ic_layout(yci_ic *f, const yci_bsr *m, const int *pos) {
         f->ptr[i + 1] = at;
     }
     f->corner[f->count] = values;
+    for (k = 0; k < at; k++) f->down_ptr[f->col[k] + 1]++;
+    for (i = 0; i < f->count; i++) f->down_ptr[i + 1] += f->down_ptr[i];
+    for (i = 0; i < f->count; i++) /* ends, from which columns are filled back */
+        f->mark[i] = f->down_ptr[i + 1];
+    for (i = 0; i < f->count; i++)
+        for (k = f->ptr[i]; k < f->ptr[i + 1]; k++) f->row[--f->mark[f->col[k]]] = i, f->down[f->mark[f->col[k]]] = k;
+    for (i = 0; i < f->count; i++) f->mark[i] = -1;
 }
 
 /* Prepares an incomplete factorisation of the rows and columns of `order[0..count)`, in that order. On failure *out is
@@ -5878,7 +5935,10 @@ static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *orde
         f->ptr = YCI_NEW(c, int, (size_t)count + 1), f->col = YCI_NEW(c, int, blocks);
         f->source = YCI_NEW(c, int, blocks), f->diag = YCI_NEW(c, int, count), f->mark = YCI_NEW(c, int, count);
         f->at = YCI_NEW(c, size_t, blocks), f->corner = YCI_NEW(c, size_t, (size_t)count + 1);
-        ok = f->node && f->off && f->dim && f->ptr && f->col && f->source && f->diag && f->mark && f->at && f->corner;
+        f->down_ptr = YCI_NEW(c, int, (size_t)count + 1), f->down = YCI_NEW(c, int, blocks);
+        f->row = YCI_NEW(c, int, blocks), f->y = YCI_NEW(c, double, (size_t)count *YCI_BLOCK_MAX);
+        ok = f->node && f->off && f->dim && f->ptr && f->col && f->source && f->diag && f->mark && f->at && f->corner &&
+            f->down_ptr && f->down && f->row && f->y;
     }
     for (i = 0; ok && i < m->n; i++) pos[i] = -1;
     for (i = 0; ok && result == YC_OK && i < count; i++) {
@@ -5886,7 +5946,7 @@ static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *orde
         if (v < 0 || v >= m->n || pos[v] >= 0)
             result = YCI_FAIL(
                 c, YC_ERROR_ARGUMENT, "incomplete factorisation: order entry %d is %d, of %d nodes", i, v, m->n);
-        else pos[v] = i, f->node[i] = v, f->mark[i] = -1;
+        else pos[v] = i, f->node[i] = v;
     }
     if (ok && result == YC_OK) {
         yci_ic_layout(f, m, pos);
@@ -5906,16 +5966,16 @@ static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *orde
  * inverse of its Cholesky factor. The whole block is scaled, not its diagonal: that leaves its soft directions soft,
  * such as a yarn sliding along itself. */
 static int yci_ic_pivot(yci_ic *f, const yci_bsr *m, int i, double shift) {
-    const double *a = m->val + m->at[f->diag[i]];
+    const double *a = m->val + m->at[f->diag[i]], *from = a;
     double block[YCI_BLOCK_MAX * (YCI_BLOCK_MAX + 1)], *corner = f->val + f->corner[i];
     yci_block_terms t;
     int d = f->dim[i], k, j;
-    for (k = 0; k < d * d; k++) block[k] = (1.0 + shift) * a[k];
+    for (k = 0; k < d * d && shift > 0.0; k++) block[k] = (1.0 + shift) * a[k], from = block;
     for (k = f->ptr[i], t.count = 0; k < f->ptr[i + 1] && !f->diagonal_only; k++) {
+        if (t.count == YCI_BLOCK_TERMS) f->kernels->block(d, d, &t, from, NULL, block), from = block, t.count = 0;
         t.a[t.count] = t.b[t.count] = f->val + f->at[k], t.k[t.count++] = f->dim[f->col[k]];
-        if (t.count < YCI_BLOCK_TERMS && k + 1 < f->ptr[i + 1]) continue;
-        f->kernels->block(d, d, &t, block, NULL, block), t.count = 0;
     }
+    f->kernels->block(d, d, &t, from, NULL, block);
     if (!yci_block_cholesky(d, block, a, d + 1)) return 0;
     yci_block_invert_lower(d, block, corner);
     for (k = 0; k < d; k++)
@@ -5965,43 +6025,23 @@ static yc_result yci_ic_factor(yci_ic *f, const yci_bsr *m) {
         if (yci_ic_attempt(f, m, f->shift) < 0) return YC_OK;
     }
     f->diagonal_only = 1, f->shift = 0.0;
+    memset(f->val, 0, f->corner[f->count] * sizeof *f->val);
     bad = yci_ic_attempt(f, m, 0.0);
     if (bad < 0) return YC_OK;
     return YCI_FAIL(f->c, YC_ERROR_NOT_SPD, "the diagonal block of node %d is not positive definite", f->node[bad]);
 }
 
-/* y := G y or G' y for the inverse diagonal block G, which is lower triangular. */
-static void yci_ic_corner(int d, const double *g, double *y, int transposed) {
-    int a, b;
-    if (!transposed)
-        for (a = d - 1; a >= 0; a--) {
-            double sum = 0.0;
-            for (b = 0; b <= a; b++) sum += g[b * d + a] * y[b];
-            y[a] = sum;
-        }
-    else
-        for (a = 0; a < d; a++) {
-            double sum = 0.0;
-            for (b = a; b < d; b++) sum += g[a * d + b] * y[b];
-            y[a] = sum;
-        }
-}
-
 /* x := inverse(L L') x, on the matrix's numbering; unknowns of nodes not included keep their values. */
 static void yci_ic_solve(const yci_ic *f, double *x) {
-    int i, k;
-    for (i = 0; i < f->count; i++) {
-        double *y = x + f->off[i];
-        for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++)
-            yci_block_subtract_transposed(f->dim[f->col[k]], f->dim[i], f->val + f->at[k], x + f->off[f->col[k]], y);
-        yci_ic_corner(f->dim[i], f->val + f->corner[i], y, 0);
-    }
-    for (i = f->count - 1; i >= 0; i--) {
-        double *y = x + f->off[i];
-        yci_ic_corner(f->dim[i], f->val + f->corner[i], y, 1);
-        for (k = f->ptr[i]; k < f->ptr[i + 1] && !f->diagonal_only; k++)
-            yci_block_subtract(f->dim[f->col[k]], f->dim[i], f->val + f->at[k], y, x + f->off[f->col[k]]);
-    }
+    yci_substitution t;
+    int i, r;
+    t.count = f->count, t.dim = f->dim, t.ptr = f->ptr, t.col = f->col, t.at = f->at, t.corner = f->corner;
+    t.down_ptr = f->down_ptr, t.down = f->down, t.row = f->row, t.val = f->val, t.y = f->y;
+    for (i = 0; i < f->count; i++)
+        for (r = 0; r < f->dim[i]; r++) t.y[YCI_BLOCK_MAX * (size_t)i + (size_t)r] = x[f->off[i] + r];
+    f->kernels->substitute(&t);
+    for (i = 0; i < f->count; i++)
+        for (r = 0; r < f->dim[i]; r++) x[f->off[i] + r] = t.y[YCI_BLOCK_MAX * (size_t)i + (size_t)r];
 }
 
 /* ------------------------------------------------------------------------------------------------------- public --- */

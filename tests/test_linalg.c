@@ -880,9 +880,11 @@ TEST(sparse_incomplete_exact) {
     linear_system s;
     yci_ic *f = NULL;
     size_t pairs = graph(3, N, pair, &seed);
-    int i, part, size, first;
+    int i, run, part, size, first;
     double *x, *y, worst;
-    for (part = 0; part < 2; part++) {
+    for (run = 0; run < 2 * YCI_LEVELS; run++) {
+        part = run % 2;
+        if (!yci_kernels_of(run / 2)) continue;
         for (i = 0; i < N; i++) dim[i] = part ? i % 6 : 3 + 2 * (i % 2), order[i] = part ? N - 1 - i : i;
         system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
         system_fill(&s, 1, 5);
@@ -891,7 +893,9 @@ TEST(sparse_incomplete_exact) {
         for (i = 0; i < size; i++) x[i] = i < first ? 0.0 : test_random(&seed, -1.0, 1.0);
         yci_bsr_multiply(&s.c, &s.m, x, y);
         for (i = 0; i < first; i++) y[i] = 7.0;
-        CHECK(yci_ic_create(&s.c, &s.m, order, part ? N - 10 : N, &f) == YC_OK && yci_ic_factor(f, &s.m) == YC_OK);
+        CHECK_RESULT(yci_ic_create(&s.c, &s.m, order, part ? N - 10 : N, &f), YC_OK);
+        f->kernels = yci_kernels_of(run / 2);
+        CHECK_RESULT(yci_ic_factor(f, &s.m), YC_OK);
         yci_ic_solve(f, y);
         for (i = first, worst = 0.0; i < size; i++) worst = yci_max(worst, fabs(x[i] - y[i]));
         for (i = 0; i < first; i++) CHECK(y[i] == 7.0);
