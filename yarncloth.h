@@ -556,10 +556,11 @@ YC_API yc_result yc_draft_loom(const yc_host *host, const yc_loom *loom, yc_draf
  * Read are WEAVING (Shafts, Treadles, Rising Shed, which is true unless said otherwise), WARP and WEFT (Threads, Color,
  * Units, Spacing, Thickness), COLOR PALETTE (Entries, Form, Range), COLOR TABLE, THREADING, TIEUP, TREADLING, LIFTPLAN,
  * and COLORS, SPACING, THICKNESS of WARP and WEFT. A thread may be on several shafts, a pick on several treadles; 0 or
- * nothing is none, and so is a thread left out, but for the last one: without that a file counts as cut off. A LIFTPLAN with lines is used instead of TIEUP and TREADLING. Names are compared without case; a
- * semicolon begins a comment; other sections and keys are passed over; of lines with the same key the last one counts.
- * Thread 1 of the file is column or row 0, colour 1 is colour 0. An order of one entry is the family's only colour.
- * Spacing and thickness are 0 without Units. Other shared arguments as above.
+ * nothing is none, and so is a thread left out, but for the last one: without that a file counts as cut off. A LIFTPLAN
+ * with lines is used instead of TIEUP and TREADLING. Names are compared without case; a semicolon begins a comment;
+ * other sections and keys are passed over; of lines with the same key the last one counts. Thread 1 of the file is
+ * column or row 0, colour 1 is colour 0. An order of one entry is the family's only colour. Spacing and thickness are 0
+ * without Units. Other shared arguments as above.
  * Errors: PARSE (the message names the line, what was expected and what stands there; or what is missing), ARGUMENT
  * (text NULL), MEMORY. Limits as of yc_loom; colours 65536. */
 YC_API yc_result yc_draft_wif(const yc_host *host, const char *text, size_t length, yc_draft *out, char *message);
@@ -783,8 +784,12 @@ typedef struct yc_scene_desc {
     double contact_stiffness; /* N/m of penetration, per point; > 0; default 200 */
     /* m, at which triangles feel bodies, and half of what they keep between each other; > 0; default 1.5e-3 */
     double thickness;
-    double slip_speed;    /* m/s below which Coulomb friction acts like a viscous brake; > 0; default 1e-3 */
-    int self_contact;     /* nonzero: cloth against cloth; default 0 */
+    double slip_speed; /* m/s below which Coulomb friction acts like a viscous brake; > 0; default 1e-3 */
+    /* nonzero: cloth against cloth, where it does not touch at rest; default 0. Triangles keep twice `thickness`; nodes
+     * of yarns without triangles are spheres, as large as what all yarns there amount to: layers lie about as far apart
+     * as cloth is thick, if that is no less than 0.7 of the distance of its nodes; more open cloth lets others through
+     */
+    int self_contact;
     double self_friction; /* Coulomb coefficient of cloth on cloth; [0, 10]; default 0.2 */
 } yc_scene_desc;
 YC_API yc_scene_desc yc_scene_desc_preset(yc_preset preset);
@@ -13927,6 +13932,9 @@ typedef struct yci_local {
 #define YCI_NOTHING 0.01        /* pitches: so much of it goes wherever it must */
 #define YCI_SHORT 0.7           /* pitches: so much of a knit's loose yarn needs no node in it */
 
+#define YCI_APART 1e3 /* m between cloths at rest */
+#define YCI_FOLD 1.6  /* thicknesses along the cloth around its tightest fold, half a circle */
+
 #define YCI_ARRAY(type, name) \
     type *name; \
     int name##_count, name##_capacity
@@ -13974,11 +13982,11 @@ typedef struct yci_model {
     /* search of cloth against cloth: what takes part, and where all nodes are at rest */
     YCI_ARRAY(int, edge);
     YCI_ARRAY(int, ball);
-    int *face_node; /* [3 faces] */
-    double *radius, *rest;
-    int *closed;      /* [vertices], as if every seam were welded */
-    double margin;    /* m: contacts are searched again once a node has moved half of it */
-    double *searched; /* [3 nodes], positions at the last search; behind them room for as many */
+    int *face_node;               /* [3 faces] */
+    double *radius, *half, *rest; /* of yarn nodes: their thickest yarn's radius, half of the cloth's thickness there */
+    int *closed;                  /* [vertices], as if every seam were welded */
+    double margin;                /* m: contacts are searched again once a node has moved half of it */
+    double *searched;             /* [3 nodes], positions at the last search; behind them room for as many */
     yci_system system;
     int has_system;
     yc_solver solver;
@@ -14171,7 +14179,8 @@ static void yci_model_destroy(yc_scene *s) {
     yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
     yci_free(c, m->grip), yci_free(c, m->edge), yci_free(c, m->ball), yci_free(c, m->face_node),
         yci_pairs_free(c, &m->pairs);
-    yci_free(c, m->radius), yci_free(c, m->rest), yci_free(c, m->closed), yci_free(c, m->searched);
+    yci_free(c, m->radius), yci_free(c, m->half), yci_free(c, m->rest), yci_free(c, m->closed),
+        yci_free(c, m->searched);
     yci_free(c, m->dof), yci_free(c, m->local), yci_free(c, m);
     s->model = NULL;
 }
@@ -15841,7 +15850,7 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
     return YC_OK;
 }
 
-/* What contact needs: radii of yarn nodes, the faces' nodes, rest positions with pattern pieces far apart. */
+/* What contact needs: radii of yarn nodes, the faces' nodes, rest positions with cloths far apart. */
 static int yci_build_contact(yci_build *b) {
     yc_scene *s = b->s;
     yci_model *m = b->m;
@@ -15860,8 +15869,8 @@ static int yci_build_contact(yci_build *b) {
     if (!yci_build_probes(b)) return 0;
     if (!s->desc.self_contact) return 1;
     m->rest = YCI_NEW(c, double, 3 * (size_t)s->nodes), m->face_node = YCI_NEW(c, int, 3 * (size_t)m->face_count);
-    m->closed = YCI_NEW(c, int, s->nodes);
-    if (!m->rest || !m->face_node || !m->closed) return 0;
+    m->closed = YCI_NEW(c, int, s->nodes), m->half = YCI_NEW(c, double, s->nodes - s->vertices);
+    if (!m->rest || !m->face_node || !m->closed || !m->half) return 0;
     for (i = 0; i < 3 * m->face_count; i++) m->face_node[i] = m->face[i / 3].node[i % 3];
     for (i = 0; i < s->nodes; i++) {
         int *ball;
@@ -15879,6 +15888,11 @@ static int yci_build_contact(yci_build *b) {
                 memcpy(m->rest + 3 * s->triangle[3 * (cloth->triangle + t) + k],
                     cloth->desc.mesh.uv[cloth->desc.mesh.uv_triangles[t][k]], 2 * sizeof(double));
         for (t = 0; y && t < y->node_count; t++) yci_copy(m->rest + 3 * (cloth->node + t), y->layout[t]);
+        for (t = 0; t < cloth->desc.mesh.vertex_count; t++) m->rest[3 * (cloth->vertex + t) + 2] += YCI_APART * i;
+        for (t = 0; y && t < y->node_count; t++) m->rest[3 * (cloth->node + t) + 2] += YCI_APART * i;
+        for (k = 0; y && k < y->yarn_count; k++)
+            for (visit = y->yarn_first[k]; visit < y->yarn_first[k + 1]; visit++)
+                m->half[cloth->node - s->vertices + y->visit_node[visit]] += y->materials[y->yarn_material[k]].radius;
     }
     for (i = 0; i < s->seam_count; i++) /* Open seams count as closed: their sides do not repel each other. */
         for (k = 0; k < s->seam[i].desc.count; k++) {
@@ -16554,18 +16568,21 @@ static yc_result yci_search_bodies(yc_scene *s) {
     return YC_OK;
 }
 
-/* Leaves out pairs across a seam that is still open, and pairs that touch at rest. */
+/* Leaves out pairs across a seam that is still open, and pairs that touch at rest. Yarn nodes of a cloth that are
+ * nearer than around its tightest fold can only come close as it narrows or shears, which the weave knows of. */
 static int yci_exclude_pair(void *user, const yci_pair *pair) {
     const yci_model *m = (const yci_model *)user;
     int side = yci_pair_side(pair->kind), count = yci_pair_nodes(pair->kind), i, j;
+    yci_pair fold = *pair;
+    if (pair->kind == YCI_POINT_POINT) fold.thickness *= YCI_FOLD;
     for (i = 0; i < side; i++)
         for (j = side; j < count; j++)
             if (m->closed[pair->node[i]] == m->closed[pair->node[j]]) return 1;
-    return yci_pairs_exclude_rest((void *)m->rest, pair);
+    return yci_pairs_exclude_rest((void *)m->rest, &fold);
 }
 
-/* Radii of what carries contact: half the thickness for triangles and their edges and vertices, the yarn's own for
- * balls. */
+/* Radii of what carries contact: half the thickness for triangles and their edges and vertices; for yarn nodes half of
+ * what all yarns there amount to, the more so as there is nothing between the nodes. */
 static void yci_pairs_radii(const yc_scene *s, yci_pairs_input *in, double *radius, unsigned char *sphere) {
     const yci_model *m = s->model;
     int i;
@@ -16576,7 +16593,7 @@ static void yci_pairs_radii(const yc_scene *s, yci_pairs_input *in, double *radi
     for (i = 0; i < in->point_count; i++) {
         int node = m->ball[i];
         sphere[i] = node >= s->vertices;
-        radius[i] = sphere[i] ? m->radius[node - s->vertices] : s->desc.thickness;
+        radius[i] = sphere[i] ? m->half[node - s->vertices] : s->desc.thickness;
     }
     in->point_radius = radius, in->sphere = sphere;
 }
@@ -16627,14 +16644,15 @@ static yc_result yci_search_pairs(yc_scene *s) {
 /* Finds what may touch while no node moves more than half the margin. */
 static yc_result yci_search(yc_scene *s) {
     yci_model *m = s->model;
-    double fastest = 0.0;
+    double fastest = 0.0, far;
     yc_result result = YC_OK;
     int i;
     if (!s->body_count && !s->desc.self_contact) return YC_OK;
     if (!m->searched && !(m->searched = YCI_NEW(&s->c, double, 6 * (size_t)s->nodes)))
         return yci_out_of_memory(&s->c, "contacts");
     for (i = 0; i < s->nodes; i++) fastest = yci_max(fastest, yci_dot(s->velocity + 3 * i, s->velocity + 3 * i));
-    m->margin = 2.0 * s->desc.thickness + yci_min(2.0 * m->h * sqrt(fastest), 20.0 * s->desc.thickness);
+    far = (m->face_count ? 20.0 : 4.0) * s->desc.thickness; /* direct solvers pay for every pair */
+    m->margin = 2.0 * s->desc.thickness + yci_min(2.0 * m->h * sqrt(fastest), far);
     memcpy(m->searched, s->x, (size_t)(3 * s->nodes) * sizeof(double));
     result = yci_search_bodies(s);
     if (result == YC_OK && s->desc.self_contact) result = yci_search_pairs(s);

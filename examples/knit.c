@@ -2,8 +2,8 @@
  *
  *     knit [curl|rib|garter|lace|unravel|piece]      all of them without a name
  *
- * curl    stockinette: its sides roll towards the purl side, its ends towards the knit side (after YARN, Fig. 7);
- *         drawn while it rolls, which only weight or the cloth itself would stop
+ * curl    stockinette: its sides roll towards the purl side, its ends towards the knit side (after YARN, Fig. 7), until
+ *         they lie on it; four loops of its middle are held, without which it would roll up into two scrolls
  * rib     knit and purl columns by turns: they draw in (YARN, Fig. 5)
  * garter  knit rows on both sides: it lies flat
  * lace    decreases, whose loops are stacked, and yarn-overs, which leave holes
@@ -26,8 +26,8 @@
 typedef struct piece {
     const char *name;
     const char *const *rows;
-    int stitches, row_count, most; /* steps */
-    double from[3];                /* towards the camera */
+    int stitches, row_count, held, most; /* most: steps */
+    double from[3];                      /* towards the camera */
 } piece;
 
 static const char *const openwork =
@@ -35,9 +35,9 @@ static const char *const openwork =
     "Row 3 (RS): K1, *k1, yo, ssk, k1, k2tog, yo, k2, repeat from *.\nRow 4 (WS): Purl.\n"
     "Row 5 (RS): K1, *k2, yo, sl1-k2tog-psso, yo, k3, repeat from *.\nRow 6 (WS): Purl.\n";
 
-static const piece pieces[] = {{"curl", &scene_stockinette, 20, 22, 2, {0.35, 0.4, 1.0}},
-    {"rib", &scene_rib, 20, 20, 12, {0.1, 0.2, 1.0}}, {"garter", &scene_garter, 18, 22, 12, {0.1, 0.2, 1.0}},
-    {"lace", &openwork, 17, 18, 8, {0.0, 0.1, 1.0}}};
+static const piece pieces[] = {{"curl", &scene_stockinette, 16, 18, 1, 40, {0.35, 0.4, 1.0}},
+    {"rib", &scene_rib, 20, 20, 0, 12, {0.1, 0.2, 1.0}}, {"garter", &scene_garter, 18, 22, 0, 12, {0.1, 0.2, 1.0}},
+    {"lace", &openwork, 17, 18, 0, 8, {0.0, 0.1, 1.0}}};
 
 static int save(yc_scene *scene, const ex_yarns_view *view, const double (*colors)[3], const char *name, char *why) {
     ex_camera camera;
@@ -61,7 +61,8 @@ static int run(const piece *p) {
         return 0;
     }
     flat = scene_knit_look(k);
-    result = scene_knit_settle(k, p->most);
+    if (p->held) result = scene_knit_hold(k);
+    if (result == YC_OK) result = scene_knit_settle(k, p->most);
     if (result != YC_OK) snprintf(why, sizeof why, "%s", yc_scene_message(k->scene));
     else {
         now = scene_knit_look(k);

@@ -160,7 +160,7 @@ TEST(knit_unravels_chain) {
     d.stitches = 4, d.rows = 2;
     if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
     y.visit_held[y.visit_count - 1] = 1;
-    chain = d.stitches * (1 + 4 * d.rows); /* its first node */
+    chain = d.stitches * (1 + 4 * d.rows);  /* its first node */
     node = y.visit_node[y.visit_count - 4]; /* between the last loop and the end that is drawn through it */
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.mass_damping = 20.0, settings.dt_max = 2e-3, cloth.yarns = &y;

@@ -246,6 +246,99 @@ static void check_heap(void (*place)(void *user, const double uv[2], double out[
 TEST(scene_contact_dropped_edge_on) { check_heap(edge_on); }
 TEST(scene_contact_folded_layers) { check_heap(layers); }
 
+/* ---- yarns alone on themselves ---------------------------------------------------------------------------------- */
+
+static scene_swatch *yarns_alone(double width, double length) {
+    scene_swatch_desc d = scene_swatch_desc_default(SCENE_YARNS_ALONE);
+    d.spacing = 1.5e-3, d.size[0] = width, d.size[1] = length;
+    d.yarn.radius = 0.4e-3, d.yarn.bending *= 0.05; /* close: gauze would let the nodes of other cloth through */
+    return scene_swatch_new(&d);
+}
+
+static double apart(const double *a, const double *b) {
+    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+}
+
+/* The upper one is laid where the lower one is, in the pattern; it falls half a spacing to the side. */
+static void beside(void *user, const double uv[2], double out[3]) {
+    (void)user;
+    out[0] = uv[0] + 0.7e-3, out[1] = 3e-3, out[2] = -uv[1] + 0.6e-3;
+}
+static void below(void *user, const double uv[2], double out[3]) {
+    (void)user;
+    out[0] = uv[0], out[1] = 0.0, out[2] = -uv[1];
+}
+
+TEST(scene_contact_yarns_fall_on_yarns) {
+    scene_swatch *s[2];
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_scene *scene = NULL;
+    yc_stats stats;
+    double x[2][400][3] = {{{0.0}}}, before[3], after[3], down[3] = {0.0, -0.4, 0.0}, height[2] = {0.0, 0.0}, thickness,
+           nearest = HUGE_VAL;
+    int i, j, k, step, count, pairs = 0;
+    s[0] = yarns_alone(0.015, 0.015), s[1] = yarns_alone(0.015, 0.015), count = s[0]->yarns.node_count;
+    thickness = 4.0 * s[0]->desc.yarn.radius; /* two yarns at every crossing, of either cloth */
+    scene_swatch_place(s[0], below, NULL), scene_swatch_place(s[1], beside, NULL);
+    settings.self_contact = 1, settings.thickness = s[0]->desc.yarn.radius;
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    CHECK_RESULT(yc_scene_create(NULL, &settings, &scene, NULL), YC_OK);
+    for (k = 0; k < 2; k++) CHECK_RESULT(yc_scene_add_cloth(scene, &s[k]->cloth, NULL), YC_OK);
+    for (i = 0; i < count; i++) CHECK_RESULT(yc_scene_set_velocity(scene, 1, YC_NODE, i, down), YC_OK);
+    CHECK_RESULT(yc_scene_momentum(scene, NULL, before, NULL), YC_OK);
+    for (step = 0; step < 16 && CHECK(count <= 400); step++) {
+        if (!CHECK_RESULT(yc_scene_step(scene, 1e-3, &stats), YC_OK)) break;
+        if (stats.pair_contacts > pairs) pairs = stats.pair_contacts;
+        for (k = 0; k < 2; k++) CHECK_RESULT(yc_scene_positions(scene, k, YC_NODE, x[k]), YC_OK);
+        for (i = 0; i < count; i++)
+            for (j = 0; j < count; j++) nearest = fmin(nearest, apart(x[0][i], x[1][j]));
+    }
+    CHECK(pairs > 0 && nearest > 0.7 * thickness && nearest < thickness);
+    for (k = 0; k < 2; k++)
+        for (i = 0; i < count; i++) height[k] += x[k][i][1] / count;
+    CHECK(height[1] > height[0] + 0.6 * thickness); /* a node may lie in the middle of four others */
+    CHECK_RESULT(yc_scene_momentum(scene, NULL, after, NULL), YC_OK);
+    CHECK(before[1] < 0.0);
+    for (k = 0; k < 3; k++) CHECK_NEAR(after[k], before[k], 1e-4 * fabs(before[1]));
+    yc_scene_destroy(scene);
+    scene_swatch_free(s[0]), scene_swatch_free(s[1]);
+}
+
+/* At rest nothing acts; folded in an S it comes to lie on itself and does not pass through. */
+TEST(scene_contact_yarns_folded_layers) {
+    scene_swatch *s = yarns_alone(0.012, 0.1);
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_primitive p;
+    yc_body_desc body = yc_body_desc_default();
+    yc_scene *scene = NULL;
+    yc_stats stats;
+    double x[1200][3] = {{0.0}}, energy[YC_TERM_COUNT], nearest = HUGE_VAL, radius = s->desc.yarn.radius;
+    int i, j, step, placed, count = s->yarns.node_count;
+    memset(&p, 0, sizeof p), memset(&stats, 0, sizeof stats);
+    p.type = YC_PLANE, p.b[1] = 1.0;
+    body.primitive_count = 1, body.primitives = &p, body.friction = 0.5;
+    settings.self_contact = 1, settings.mass_damping = 20.0, settings.thickness = radius;
+    for (placed = 0; placed < 2 && CHECK(count <= 1200); placed++) {
+        scene_swatch_place(s, placed ? layers : below, NULL);
+        CHECK_RESULT(yc_scene_create(NULL, &settings, &scene, NULL), YC_OK);
+        CHECK_RESULT(yc_scene_add_cloth(scene, &s->cloth, NULL), YC_OK);
+        if (placed) CHECK_RESULT(yc_scene_add_body(scene, &body, NULL), YC_OK);
+        for (step = 0; step < (placed ? 20 : 1); step++)
+            if (!CHECK_RESULT(yc_scene_step(scene, 5e-3, &stats), YC_OK)) break;
+        CHECK_RESULT(yc_scene_energy(scene, energy), YC_OK);
+        CHECK_RESULT(yc_scene_positions(scene, 0, YC_NODE, x), YC_OK);
+        yc_scene_destroy(scene), scene = NULL;
+        if (!placed) CHECK_NEAR(energy[YC_TERM_PAIR], 0.0, 0.0);
+    }
+    CHECK(energy[YC_TERM_PAIR] > 0.0);
+    for (i = 0; i < count; i++)
+        for (j = 0; j < i; j++)
+            if (apart(s->yarns.layout[i], s->yarns.layout[j]) > 7.0 * radius)
+                nearest = fmin(nearest, apart(x[i], x[j]));
+    CHECK(nearest > 0.7 * 4.0 * radius && nearest < 4.0 * radius);
+    scene_swatch_free(s);
+}
+
 /* ---- a moving body -------------------------------------------------------------------------------------------- */
 
 /* A sphere comes through the plane of a hanging swatch and pushes it out. */

@@ -4,22 +4,29 @@
  *
  * Swatches are cast on, relaxed flat and left to themselves as tests/scenes/knits.h says; shares are of what lies flat.
  *   curl     stockinette turns by more than 30 degrees towards the purl side at its sides and towards the knit side at
- *            its ends, while the middle half turns by less than 40; garter by less than 15 everywhere.
- *            Looked at after 40 periods of a stitch: what is left alone for longer rolls up, since neither weight nor
- *            the cloth itself stops it here
+ *            its ends, while the middle half turns by less than 30; garter by less than 15 everywhere.
+ *            Four loops of the middle are held, and both have come to rest, by r/20 in 10 periods of a stitch: held
+ *            nowhere, pieces this small roll up into two scrolls, on a table too. Angles without a source: a clear curl
  *   rib      1x1 and 2x2 are between 0.4 and 0.6 times as wide as stockinette of the same stitches, laid flat. A share
- *            of the nearer end where they are not
+ *            of the nearer end where they are not. Half is what YARN shows (Fig. 5); the margin has no source
  *   munden   kc/kw within 20 % of 1.3; kc, kw and ks within 20 % of the range from dry to wet relaxed
  *   lace     Feather and Fan: the upper edge's strongest wave has a period of 18 stitches. Openwork diamonds: as many
  *            holes as yarn-overs. Flame chevron: columns lean to the other side every ten rows
  *   stretch  swatches with elastic edges drawn by their outermost columns or rows. At 49 N/m of what is laid plain
- *            knits give 10 to 40 % across and ribs 40 to 100 % (cotton jersey and wool rib, KES), and until they lock,
- *            at 1 N per row, plain ones 50 to 100 %; garter goes furthest lengthwise; a rib is opposed by wrapping,
+ *            knits give 10 to 40 % across and ribs 40 to 100 % (cotton jersey and wool rib, KES). What they give at 1 N
+ *            per row, where they lock, is no goal: no source is known; garter goes furthest lengthwise;
+ *            a rib is opposed by wrapping,
  *            then bending, then stretching, by what grows most from one point to the next (YARN, Fig. 11). The curves
  *            are drawn in out/knit-stretch.png
- *   cost     seconds per step of 1 ms of a sweater of 56,000 and a T-shirt of 325,000 loops that hang by their upper
- *            edge, against the 96 s and 7.4 min per frame of 1/30 s that YARN reports on a GPU, and 4 GB for the
- *            larger. --quick leaves the larger one out */
+ *   cost     a sweater of 56,000 and a T-shirt of 325,000 loops that hang by their upper edge: memory,
+ *            seconds to build,
+ *            and seconds per frame of 1/30 s at steps of 1 ms, against the 96 s and 7.4 min that YARN reports on a
+ *            GPU, and 4 GB for the larger. A first step is given 5 minutes and 10;
+ *            one that takes longer misses its goal, as with --quick, where there is no time for any: 10 Newton
+ *            iterations
+ *            of the sweater take more than 45 s
+ * What stands outside: charts on garments' pieces, stretch past yield and drape (other benchmarks); YARN's own curves,
+ * which are printed without numbers. */
 #define _POSIX_C_SOURCE 200809L /* NOLINT(bugprone-reserved-identifier): what POSIX prescribes */
 #include "bench.h"
 #include "report.h"
@@ -36,7 +43,7 @@ static void range_goal(const char *name, const char *what, double value, double 
     double share = value >= low && value <= high ? 1.0 : value < low ? value / low : high / value;
     say("%-14s%-34s%9.3f  %7.3g to %-7.3g %-8s %s\n", name, what, value, low, high, unit,
         share >= 1.0 ? "met" : "missed");
-    count_goal(name, what, share);
+    count_goal(name, what, share >= 0.0 ? share : 0.0);
 }
 
 static scene_knit *swatch(const char *name, const char *rows, int stitches, int row_count) {
@@ -50,19 +57,21 @@ static void run_curl(void) {
     int n = quick ? 14 : 20, i;
     scene_knit *k = swatch("stockinette", scene_stockinette, n, n);
     scene_knit_shape s;
-    double least = NAN, flat = NAN;
-    if (k && scene_knit_settle(k, 4) == YC_OK) {
+    double least = NAN, flat = NAN, rest = NAN;
+    if (k && scene_knit_hold(k) == YC_OK && scene_knit_settle(k, 60) == YC_OK) {
         s = scene_knit_look(k), flat = s.flat / degree;
         least = fmin(fmin(s.side[0], s.side[1]), fmin(s.end[0], s.end[1])) / degree;
+        rest = k->moved / k->desc.yarn.radius;
         say("%-14s%d x %d: sides turn by %.0f and %.0f, ends by %.0f and %.0f degrees; %.0f s\n", "stockinette", n, n,
             s.side[0] / degree, s.side[1] / degree, s.end[0] / degree, s.end[1] / degree, k->seconds);
     }
     range_goal("stockinette", "least turn of an edge", least, 30.0, 360.0, "degrees");
-    range_goal("stockinette", "the middle half turns", flat, 0.0, 40.0, "degrees");
+    range_goal("stockinette", "the middle half turns", flat, 0.0, 30.0, "degrees");
+    range_goal("stockinette", "moves by, in the last step", rest, 0.0, 0.05, "radii");
     scene_knit_free(k);
     k = swatch("garter", scene_garter, 14, 14);
     for (i = 0, least = NAN; k && i < 2; i++) {
-        if (i == 0 && scene_knit_settle(k, 12) != YC_OK) break;
+        if (i == 0 && scene_knit_settle(k, 60) != YC_OK) break;
         s = scene_knit_look(k);
         least = fmax(fmax(s.flat, i ? least * degree : 0.0), fmax(fabs(s.side[i]), fabs(s.end[i]))) / degree;
     }
@@ -288,7 +297,6 @@ static void run_stretch(void) {
             scene_knit_free(k);
         }
     range_goal("stockinette", "widthwise at 49 N/m", at[0][0], 0.1, 0.4, "");
-    range_goal("stockinette", "widthwise at 1 N per row", lock[0][0], 0.5, 1.0, "");
     for (f = 2; f < FABRICS; f++) {
         range_goal(fabric_name[f], "widthwise at 49 N/m", at[f][0], 0.4, 1.0, "");
         range_goal(fabric_name[f], "regimes, of three", 3.0 * regimes(&pull[f][0]), 3.0, 3.0, "");
@@ -302,50 +310,62 @@ static void run_stretch(void) {
 
 /* ---- cost ------------------------------------------------------------------------------------------------------- */
 
-static void run_garment(const char *name, int stitches, int rows, double frame, int yarn) {
+/* Whether a step has had its time. */
+static int too_long(void *user, double done) {
+    (void)done;
+    return bench_clock() > *(const double *)user;
+}
+
+static void run_garment(const char *name, int stitches, int rows, double frame, int yarn, double patience) {
     yc_scene_desc settings = yc_scene_desc_default();
     yc_cloth_desc cloth = yc_cloth_desc_default();
     yc_knit_desc d = yc_knit_desc_default();
+    yc_host host;
     char why[YC_MESSAGE_SIZE] = "";
     yc_scene *scene = NULL;
     yc_stats stats;
     yc_chart chart;
     yc_yarns y;
-    double begin = bench_clock(), times[3], high = 0.0;
-    int i, count = 3;
+    double begin = bench_clock(), end = 0.0, high = 0.0, seconds = NAN, terms[YC_TERM_COUNT];
+    int i;
     yc_result result;
     memset(&chart, 0, sizeof chart), memset(&y, 0, sizeof y), memset(&stats, 0, sizeof stats);
+    memset(&host, 0, sizeof host), host.progress = too_long, host.user = &end;
     if (yarn >= 0) yc_knit_fabric((yc_fabric_name)yarn, &d);
     d.chart = &chart, d.stitches = stitches, d.rows = rows;
     settings.gravity[1] = -9.81, settings.gravity[0] = settings.gravity[2] = 0.0;
+    settings.newton_limit = 10; /* of a sub-step; one that needs more is halved, and time is looked at */
     result = yc_chart_read(NULL, scene_garter, strlen(scene_garter), NULL, &chart, why);
     if (result == YC_OK) result = yc_knit(NULL, &d, &y, why);
     cloth.yarns = &y;
-    if (result == YC_OK) result = yc_scene_create(NULL, &settings, &scene, why);
+    say("%-14s%d loops, %d nodes, %d visits, laid in %.1f s\n", name, stitches * rows, y.node_count, y.visit_count,
+        bench_clock() - begin);
+    begin = bench_clock();
+    if (result == YC_OK) result = yc_scene_create(&host, &settings, &scene, why);
     if (result == YC_OK) result = yc_scene_add_cloth(scene, &cloth, NULL);
     for (i = 0; i < y.node_count; i++) high = fmax(high, y.layout[i][1]);
     for (i = 0; i < y.node_count && result == YC_OK; i++)
         if (y.layout[i][1] > high - 0.5 / d.courses) result = yc_scene_pin(scene, 0, YC_NODE, i, NULL);
-    say("%-14s%d loops, %d nodes, laid in %.1f s\n", name, stitches * rows, y.node_count, bench_clock() - begin);
-    for (i = 0; i < count && result == YC_OK; i++) {
-        begin = bench_clock();
+    if (result == YC_OK) result = yc_scene_energy(scene, terms); /* which builds it */
+    say("%14sbuilt in %.1f s\n", "", bench_clock() - begin);
+    if (result == YC_OK && patience > 0.0) {
+        begin = bench_clock(), end = begin + patience;
         result = yc_scene_step(scene, 1e-3, &stats);
-        times[i] = bench_clock() - begin;
-        say("%14sstep %d: %.1f s, %d Newton and %d linear iterations, %.2f GB\n", "", i + 1, times[i], stats.newton,
-            stats.linear, 1e-9 * (double)stats.bytes_peak);
-    }
-    if (result != YC_OK)
-        say("%-14sfailed: %s\n", name, scene && *yc_scene_message(scene) ? yc_scene_message(scene) : why);
-    range_goal(
-        name, "s per frame", result == YC_OK ? 1e3 / 30.0 * bench_quantile(times, count, 0.5) : NAN, 0.0, frame, "s");
-    if (stitches * rows > 300000)
-        range_goal(name, "memory", result == YC_OK ? 1e-9 * (double)stats.bytes_peak : NAN, 0.0, 4.0, "GB");
+        seconds = result == YC_OK ? bench_clock() - begin : NAN;
+        say("%14sa step of 1 ms: %s%.1f s, %d Newton and %d linear iterations, %.2f GB\n", "",
+            result == YC_OK ? "" : "not done after ", bench_clock() - begin, stats.newton, stats.linear,
+            1e-9 * (double)stats.bytes_peak);
+    } else if (result == YC_OK) say("%14sno step: with --quick there is no time for it\n", "");
+    if (result != YC_OK) say("%14sfailed: %s\n", "", scene && *yc_scene_message(scene) ? yc_scene_message(scene) : why);
+    range_goal(name, "s per frame", 1e3 / 30.0 * seconds, 0.0, frame, "s");
+    if (stitches * rows > 300000 && patience > 0.0)
+        range_goal(name, "memory", stats.bytes_peak ? 1e-9 * (double)stats.bytes_peak : NAN, 0.0, 4.0, "GB");
     yc_scene_destroy(scene), yc_yarns_destroy(&y), yc_chart_destroy(&chart);
 }
 
 static void run_cost(void) {
-    run_garment("sweater", 200, 280, 96.0, -1);
-    if (!quick) run_garment("T-shirt", 500, 650, 7.4 * 60.0, YC_FABRIC_JERSEY);
+    run_garment("sweater", 200, 280, 96.0, -1, quick ? 0.0 : 300.0);
+    run_garment("T-shirt", 500, 650, 7.4 * 60.0, YC_FABRIC_JERSEY, quick ? 0.0 : 600.0);
     say("\n");
 }
 

@@ -61,6 +61,7 @@ static yc_result begin(scene_knit *k, char *message) {
     settings.dt_max = 10.0 * k->period, settings.dt_min = 1e-6 * k->period, settings.mass_damping = 0.2 / k->period;
     settings.tolerance = 2e-3 * yarn->radius;
     settings.solver = YC_SOLVER_DIRECT;
+    settings.self_contact = 1, settings.thickness = yarn->radius;
     cloth.yarns = y, cloth.hold_network = 1;
     k->start = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->start);
     k->x = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->x);
@@ -99,6 +100,24 @@ scene_knit *scene_knit_new(const char *rows, int stitches, int row_count, const 
 scene_knit *scene_knit_new_elastic(
     const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message) {
     return make(rows, stitches, row_count, yarn, 1, message);
+}
+
+yc_result scene_knit_hold(scene_knit *k) {
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    yc_result result = YC_OK;
+    int i, j, corner;
+    for (i = 0; i < k->yarns.node_count; i++)
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], k->start[i][j]), high[j] = fmax(high[j], k->start[i][j]);
+    for (corner = 0; corner < 4 && result == YC_OK; corner++) {
+        double x = low[0] + (corner & 1 ? 0.75 : 0.25) * (high[0] - low[0]), least = HUGE_VAL;
+        double y = low[1] + (corner & 2 ? 0.75 : 0.25) * (high[1] - low[1]);
+        for (i = j = 0; i < k->yarns.node_count; i++) {
+            double far = hypot(k->start[i][0] - x, k->start[i][1] - y);
+            if (far < least) least = far, j = i;
+        }
+        result = yc_scene_pin(k->scene, 0, YC_NODE, j, NULL);
+    }
+    return result;
 }
 
 yc_result scene_knit_settle(scene_knit *k, int most) {

@@ -24,8 +24,9 @@ typedef struct scene_knit {
     double seconds, moved; /* of the processor; m, in the last step */
 } scene_knit;
 
-/* A piece of so many stitches and rows, relaxed and at rest in the xy plane without gravity, in strong air: a mass
- * damping of 0.2 / period. yarn NULL: the default wool. NULL when memory is out or the library refuses; message is NULL
+/* A piece of so many stitches and rows, relaxed and at rest in the xy plane without gravity, that may lie on itself, in
+ * strong air: a mass damping of 0.2 / period. yarn NULL: the default wool. NULL when memory is out or the library
+ * refuses; message is NULL
  * or has YC_MESSAGE_SIZE bytes. */
 scene_knit *scene_knit_new(const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message);
 /* The same, cast on and bound off with elastic, yarns that stretch a hundred thousand times as easily: what
@@ -33,6 +34,9 @@ scene_knit *scene_knit_new(const char *rows, int stitches, int row_count, const 
 scene_knit *scene_knit_new_elastic(
     const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message);
 void scene_knit_free(scene_knit *knit);
+
+/* Holds four loops, the corners of the middle half of its width and height, as needles would. */
+yc_result scene_knit_hold(scene_knit *knit);
 
 /* Steps of ten periods until no node moves by more than a twentieth of the yarn's radius in one, or `most` are done. */
 yc_result scene_knit_settle(scene_knit *knit, int most);
