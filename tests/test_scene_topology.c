@@ -419,17 +419,17 @@ static void check_save_and_load(double crimp) {
     uint64_t state = 5;
     char *bad;
     int i;
-    CHECK(live(&a, 0, 25) > 3);
+    CHECK(live(&a, 0, 15) > 3);
     middle = test_save(a.scene);
-    CHECK(live(&a, 25, 50) > 3);
+    CHECK(live(&a, 15, 50) > 3);
     end = test_save(a.scene);
     CHECK_RESULT(yc_scene_load(b.scene, middle.bytes, middle.size), YC_OK);
-    sound(&b), live(&b, 25, 50);
+    sound(&b), live(&b, 15, 50);
     again = test_save(b.scene);
     CHECK(test_same(end, again));
     free(again.bytes);
     CHECK_RESULT(yc_scene_load(a.scene, start.bytes, start.size), YC_OK); /* back to what was laid */
-    sound(&a), live(&a, 0, 25);
+    sound(&a), live(&a, 0, 15);
     again = test_save(a.scene);
     CHECK(test_same(middle, again));
     free(again.bytes);
