@@ -9669,8 +9669,8 @@ static int yci_knit_cross(const yci_knit_loop *loop) { return loop->node + (loop
 
 /* Places a loop's nodes: A 0.35 widths beside its base and 0.32 heights below, B 0.15 beside and 0.32 above, where the
  * legs of Peirce's loop (1947; d the yarn's diameter, arcs of 1.5 d, loops 4 d wide in rows 2 sqrt(3) d apart) pass
- * beside the arcs of the row above and below; 0.2 in the chain that binds off, whose loops lie along the row. Legs cross
- * half way up, or at the base of a loop that is drawn through none. */
+ * beside the arcs of the row above and below; 0.2 in the chain that binds off, whose loops lie along the row. Legs
+ * cross half way up, or at the base of a loop that is drawn through none. */
 static void yci_knit_place_loop(yci_knitter *k, int i, int before) {
     const yci_knit_loop *loop = &k->loops[i];
     double up[2], d[2], deep = loop->row + 1 == k->row && !k->desc->live ? 0.2 : 0.32;
@@ -13296,9 +13296,9 @@ static size_t yci_system_coarse_pairs(yci_system *s, int (*pairs)[2]) {
     return count;
 }
 
-/* Ac = Z'AZ from the 3x3 position parts of A's blocks; sliding coordinates stay local. Half of it is summed, which those
- * above the diagonal and half of the diagonal make, and its transpose added. A column with next to no
- * stiffness of its own (yarns missing under it) is held by a trace of its neighbours' diagonal. */
+/* Ac = Z'AZ from the 3x3 position parts of A's blocks; sliding coordinates stay local. Half of it is summed, which
+ * those above the diagonal and half of the diagonal make, and its transpose added. A column with next to no stiffness
+ * of its own (yarns missing under it) is held by a trace of its neighbours' diagonal. */
 static void yci_system_coarse_assemble(yci_system *s) {
     size_t count = 0;
     double trace = 0.0;
