@@ -13691,15 +13691,15 @@ static yc_result yci_system_factor(yci_system *s) {
  * further: each iteration would move by a small angle. So tension is an unknown of its own, T = k (l/du - 1), and
  * Newton's method is that of the pair (q, T): eliminating T leaves the same gradient and the same matrix, but for the
  * transverse stiffness T/l, whose T is the one that the last linear step predicted (the mixed form of Trusty, Kaufman
- * and Levin 2022; the stress of triangles likewise), and but for the rows of u, where the strain is T/k instead of
- * l/du - 1: what a pin has just stretched then does not push the crossing next to it along the yarn, a way that costs
+ * and Levin 2022; the stress of triangles likewise), and but for the rows of u, where the strain is T/k instead of l/du
+ * - 1: what a pin has just stretched then does not push the crossing next to it along the yarn, a way that costs
  * nothing, by its whole energy. Friction that slips is treated alike, the share of its limit being the unknown; line
  * searches take the parabola. Whole steps are taken, whatever E does on the way; when the lowest E has stood for some
- * iterations, line searches do the rest from there. They do so as well once a direction takes
- * more of a segment's rest length than there is: a compressed segment between crossings that slide loses energy by
- * getting shorter, in the linear model without end, and a few whole steps leave it no length. Measured on a 4 cm flap
- * of 1,600 crossings that swings down at 5 ms a step: 2.8 iterations a step, 14.6 with line searches alone; on a yarn
- * drawn over posts 6 instead of 73 with the parabola throughout.
+ * iterations, line searches do the rest from there. They do so as well once a direction takes more of a segment's rest
+ * length than there is: a compressed segment between crossings that slide loses energy by getting shorter, in the
+ * linear model without end, and a few whole steps leave it no length. Measured on a 4 cm flap of 1,600 crossings that
+ * swings down at 5 ms a step: 2.8 iterations a step, 14.6 with line searches alone; on a yarn drawn over posts 6
+ * instead of 73 with the parabola throughout.
  *
  * Line searches keep the predicted tension in the Hessian, not in the gradient, which is that of E. A turn by a makes
  * a stiff segment longer by l a^2 / 2, so that E falls over short ways only: where a share t of the direction fails,
