@@ -8130,8 +8130,7 @@ YC_API yc_result yc_draft_examine(const yc_host *host, const yc_draft *draft, yc
     if (result == YC_OK && (!draft || !draft->over || !out))
         result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "draft, draft.over and out must not be NULL");
     for (f = 0; f < 2 && result == YC_OK; f++) {
-        char name[16];
-        snprintf(name, sizeof name, "draft.repeat[%d]", f);
+        const char *name = f ? "draft.repeat[1]" : "draft.repeat[0]";
         result = yci_draft_range(&c, name, draft->repeat[f], 1, YCI_WEAVE_LIMIT);
     }
     if (result != YC_OK) return yci_report(&c, result, message);
@@ -10381,14 +10380,14 @@ static void yci_knit_fill_yarn(const yci_knit_cutter *t, const yci_weave_span *s
     double least = YCI_KNIT_LEAST * yci_min(1.0 / t->desc->wales, 1.0 / t->desc->courses), d[2][3], cross[3];
     int rod = span->family == YC_ROD, yarn = y->yarn_count++, first = y->yarn_first[yarn], v = first, k, e;
     for (k = -(span->tip[0] >= 0); k < span->count + (span->tip[1] >= 0); k++, v++) {
-        const yci_weave_visit *at = k < 0 || k == span->count ? NULL : &w->visits[span->first + k];
-        int old = at ? at->node : span->tip[k >= 0];
+        int tip = k < 0 || k == span->count, visit = span->first + k;
+        int old = tip ? span->tip[k >= 0] : w->visits[visit].node;
         y->visit_node[v] = number[old], y->visit_held[v] = rod || w->nodes[old].visits == 1;
-        if (at && w->nodes[old].visits > 1) y->visit_layer[v] = at->layer;
+        if (!tip && w->nodes[old].visits > 1) y->visit_layer[v] = w->visits[visit].layer;
         if (v == first) continue;
         yci_sub(d[0], y->layout[y->visit_node[v]], y->layout[y->visit_node[v - 1]]);
-        y->visit_u[v] =
-            rod ? at->along - w->visits[span->first].along : y->visit_u[v - 1] + yci_max(yci_norm(d[0]), least);
+        y->visit_u[v] = rod && !tip ? w->visits[visit].along - w->visits[span->first].along
+                                    : y->visit_u[v - 1] + yci_max(yci_norm(d[0]), least);
     }
     y->yarn_family[yarn] = (unsigned char)span->family, y->yarn_material[yarn] = rod;
     y->yarn_first[yarn + 1] = v;
@@ -13909,7 +13908,7 @@ enum {
 /* One element as the assembly sees it. */
 typedef struct yci_local {
     int nodes, points, dofs, node[4]; /* scene nodes; unknowns: `points` of positions, and others behind */
-    signed char slot[12], comp[12];   /* of each unknown: which node, which component of its block, -1: held */
+    short slot[12], comp[12];         /* of each unknown: which node, which component of its block, -1: held */
     double energy, g[12], h[144];
     double *block[4][4]; /* of its nodes in the matrix, NULL where one is held */
 } yci_local;
@@ -15007,7 +15006,7 @@ static int yci_build_joined(const yc_yarns *y, const yci_role *role, int visit) 
 static int yci_build_visit(const yci_build *b, int yarn, int a, const yci_crossing *crossing, const yci_role *role) {
     const yc_yarns *y = b->yarns;
     const yc_yarn_material *material = yci_yarn_of(b, yarn);
-    const yci_crossing *here = crossing + y->visit_node[a], *next = here;
+    const yci_crossing *here = crossing + y->visit_node[a], *next;
     int last = y->yarn_first[yarn + 1] - 1, base = b->cloth->visit + a, active;
     double alpha, touching;
     if (a == last) return 1;
@@ -15961,7 +15960,7 @@ static void yci_local_nodes(yci_local *out, int count, const int *node) {
     int i;
     out->nodes = count, out->points = out->dofs = 3 * count;
     for (i = 0; i < count; i++) out->node[i] = node[i];
-    for (i = 0; i < 3 * count; i++) out->slot[i] = (signed char)(i / 3), out->comp[i] = (signed char)(i % 3);
+    for (i = 0; i < 3 * count; i++) out->slot[i] = (short)(i / 3), out->comp[i] = (short)(i % 3);
 }
 
 static void yci_local_gather(const yc_scene *s, const yci_local *out, double *q) {
@@ -15972,7 +15971,7 @@ static void yci_local_gather(const yc_scene *s, const yci_local *out, double *q)
 /* Appends u of a visit as the element's next unknown. */
 static void yci_local_slide(const yc_scene *s, yci_local *out, double *q, int slot, int visit) {
     q[out->dofs] = s->u[visit];
-    out->slot[out->dofs] = (signed char)slot, out->comp[out->dofs] = (signed char)s->model->visit_slot[visit];
+    out->slot[out->dofs] = (short)slot, out->comp[out->dofs] = (short)s->model->visit_slot[visit];
     out->dofs++;
 }
 
@@ -15987,7 +15986,7 @@ static double yci_rise(const yc_scene *s, int visit) {
 /* Appends y of a visit likewise: it varies as z does. */
 static void yci_local_rise(const yc_scene *s, yci_local *out, double *q, int slot, int visit) {
     q[out->dofs] = yci_rise(s, visit);
-    out->slot[out->dofs] = (signed char)slot, out->comp[out->dofs] = (signed char)s->model->height_slot[visit];
+    out->slot[out->dofs] = (short)slot, out->comp[out->dofs] = (short)s->model->height_slot[visit];
     out->dofs++;
 }
 
@@ -16366,7 +16365,7 @@ static void yci_local_blocks(const yci_bsr *a, const yci_local *e, const int *no
 /* Adds an element's gradient and Hessian to the system; at a pinned node the gradient goes to its reaction. */
 static void yci_local_scatter(yci_model *m, const yci_local *e, int mode) {
     const yci_bsr *a = &m->system.a;
-    int i, node[4];
+    int i, node[4] = {-1, -1, -1, -1};
     for (i = 0; i < e->nodes; i++) node[i] = m->system_node[e->node[i]];
     for (i = 0; i < e->dofs; i++) {
         int row = node[e->slot[i]];
@@ -17162,7 +17161,7 @@ static void yci_unwraps(yc_scene *s) {
 static void yci_stack_normal(const yc_scene *s, const yci_rub *rub, int contact, double *n) {
     const yci_cloth *cloth = s->cloth + rub->cloth;
     const yc_yarns *y = &cloth->yarns;
-    const yc_stitch_contact *at = y->contacts + contact;
+    const yc_stitch_contact *at = contact < 0 ? NULL : y->contacts + contact;
     const double up[3] = {0.0, 1.0, 0.0};
     double t[2][3], cross[2][3];
     int yarn, end, knit;
@@ -17741,7 +17740,7 @@ static void yci_change_run(yci_change *w, int yarn, int next, int k, int last) {
         if (w->part[from]) {
             int own = yci_change_node(w);
             yci_copy(w->to[w->cloth].layout[own], y->layout[node]);
-            if (y->triangle) {
+            if (y->triangle && w->to[w->cloth].triangle) {
                 w->to[w->cloth].triangle[own] = y->triangle[node];
                 yci_copy(w->to[w->cloth].weights[own], y->weights[node]);
             }

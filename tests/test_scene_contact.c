@@ -312,7 +312,7 @@ TEST(scene_contact_yarns_folded_layers) {
     yc_body_desc body = yc_body_desc_default();
     yc_scene *scene = NULL;
     yc_stats stats;
-    double x[1200][3] = {{0.0}}, energy[YC_TERM_COUNT], nearest = HUGE_VAL, radius = s->desc.yarn.radius;
+    double x[1200][3] = {{0.0}}, energy[YC_TERM_COUNT] = {0.0}, nearest = HUGE_VAL, radius = s->desc.yarn.radius;
     int i, j, step, placed, count = s->yarns.node_count;
     memset(&p, 0, sizeof p), memset(&stats, 0, sizeof stats);
     p.type = YC_PLANE, p.b[1] = 1.0;

@@ -227,7 +227,7 @@ static void run_lace(void) {
         for (i = 1; i < n / 10; i++) turns += angle[i] * angle[i - 1] < 0.0;
         say("%-14scolumns lean by %.1f, %.1f, %.1f, %.1f degrees\n", "chevron", angle[0] / degree, angle[1] / degree,
             angle[2] / degree, angle[3] / degree);
-        range_goal("chevron", "changes of sign, of all", turns / (n / 10 - 1.0), 1.0, 1.0, "");
+        range_goal("chevron", "changes of sign, of all", (double)turns / (bands - 1), 1.0, 1.0, "");
     } else count_goal("chevron", "changes of sign", 0.0);
     scene_knit_free(k);
     say("\n");
