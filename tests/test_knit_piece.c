@@ -257,6 +257,7 @@ TEST(knit_piece_seam) {
     yc_yarns y, now;
     double(*x)[3], (*to)[3], mass, length, force[2] = {0.0, 0.0}, middle = 0.0;
     int i, k, n, tied = 0, changes = 0;
+    memset(&now, 0, sizeof now);
     d.mesh = &halves->mesh;
     d.rod.density = 0.0;
     if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;

@@ -205,7 +205,7 @@ static double lean(const scene_knit *k, double from, double to) {
 static void run_lace(void) {
     scene_knit *k = swatch("feather", scene_feather, 36, quick ? 4 : 8);
     double amplitude, other = 0.0, angle[4] = {0.0};
-    int i, holes, made, n = quick ? 20 : 40, turns = 0;
+    int i, holes, made, bands = quick ? 2 : 4, turns = 0;
     if (k) {
         amplitude = edge_wave(k, 2.0);
         for (i = 1; i < 9; i++)
@@ -221,13 +221,13 @@ static void run_lace(void) {
         range_goal("diamonds", "holes of those made", (double)holes / made, 1.0, 1.0, "");
     } else count_goal("diamonds", "holes", 0.0);
     scene_knit_free(k);
-    k = swatch("chevron", scene_chevron, 23, n);
+    k = swatch("chevron", scene_chevron, 23, 10 * bands);
     if (k) {
-        for (i = 0; i < n / 10; i++) angle[i] = lean(k, 10.0 * i + 2.0, 10.0 * i + 10.0);
-        for (i = 1; i < n / 10; i++) turns += angle[i] * angle[i - 1] < 0.0;
+        for (i = 0; i < bands; i++) angle[i] = lean(k, 10.0 * i + 2.0, 10.0 * i + 10.0);
+        for (i = 1; i < bands; i++) turns += angle[i] * angle[i - 1] < 0.0;
         say("%-14scolumns lean by %.1f, %.1f, %.1f, %.1f degrees\n", "chevron", angle[0] / degree, angle[1] / degree,
             angle[2] / degree, angle[3] / degree);
-        range_goal("chevron", "changes of sign, of all", (double)turns / (bands - 1), 1.0, 1.0, "");
+        range_goal("chevron", "changes of sign, of all", (double)turns / (double)(bands - 1), 1.0, 1.0, "");
     } else count_goal("chevron", "changes of sign", 0.0);
     scene_knit_free(k);
     say("\n");
