@@ -9877,7 +9877,7 @@ static void yci_knit_fill(yci_knitter *k, yc_yarns *y) {
     for (i = 0; i < k->visit_count; i++) {
         const yci_knit_visit *v = &k->visits[i];
         y->visit_node[v->at] = v->node, y->visit_layer[v->at] = v->layer;
-        y->visit_held[v->at] = (unsigned char)(i == 0 || i == k->visit_count - 1 ? 2 : v->alone);
+        y->visit_held[v->at] = (unsigned char)(i == 0 ? 2 : v->alone);
         if (i + 1 == k->visit_count) {
             y->visit_held[v->at] = k->desc->live ? 1 : 2;
             break;
@@ -13690,8 +13690,8 @@ static yc_result yci_system_factor(yci_system *s) {
  * further: each iteration would move by a small angle. So tension is an unknown of its own, T = k (l/du - 1), and
  * Newton's method is that of the pair (q, T): eliminating T leaves the same gradient and the same matrix, but for the
  * transverse stiffness T/l, whose T is the one that the last linear step predicted (the mixed form of Trusty, Kaufman
- * and Levin 2022; the stress of triangles likewise), and but for the rows of u, where the strain is T/k instead of l/du
- * - 1: what a pin has just stretched then does not push the crossing next to it along the yarn, a way that costs
+ * and Levin 2022; the stress of triangles likewise), and but for the rows of u, where the strain is T/k instead of
+ * l/du - 1: what a pin has just stretched then does not push the crossing next to it along the yarn, a way that costs
  * nothing, by its whole energy. Friction that slips is treated alike, the share of its limit being the unknown; line
  * searches take the parabola. Whole steps are taken, whatever E does on the way; when the lowest E has stood for some
  * iterations, line searches do the rest from there. They do so as well once a direction takes more of a segment's rest
@@ -13830,6 +13830,12 @@ typedef struct yci_slide {
     int visit, other, rub; /* -1: none */
     double sign, from, stiffness, share;
 } yci_slide;
+/* Which way a visit goes through its stitch contact, from A to B +1, and whether it is the new loop's there. */
+typedef struct yci_role {
+    signed char way;
+    unsigned char fresh;
+    int contact; /* one that names it; -1: none */
+} yci_role;
 /* What becomes of a knit once its yarn between visits a and b is shorter than `limit`: MERGE, visit `drop` goes; SLIP,
  * a loop comes out of those it was drawn through, by visits `leave`; RELEASE, the end of a yarn does so. -1: none. */
 typedef struct yci_due {
@@ -13919,8 +13925,8 @@ typedef struct yci_local {
 #define YCI_NET_NODES 9       /* yarn nodes per cell of a coarse net: 25 take twice the iterations at 5 ms */
 #define YCI_NEAR 10.0         /* tolerances: a shorter Newton step may be the last but for one that need not be taken */
 #define YCI_CONVEX (1.0 / 64.0) /* least share of semidefinite Hessians where the exact ones have no factor */
-#define YCI_PATIENCE 3          /* Newton iterations without a lower E before line searches begin, and without */
-#define YCI_PATIENCE_MOST 12    /* shorter corrections before the share of semidefinite Hessians falls; at most */
+#define YCI_PATIENCE 3          /* Newton iterations without a lower E before line searches; see yci_newton */
+#define YCI_PATIENCE_MOST 12    /* at most so many before the share of semidefinite Hessians falls again */
 #define YCI_SHIFT 1e-6          /* of the diagonal: most by which sliding is stiffened that would cost nothing */
 #define YCI_RETRIES 32          /* sub-steps of newton_limit iterations beyond the planned ones, in a step */
 #define YCI_JAM_WIDTH 0.05      /* rad, over which shear jamming rises to its full stiffness */
@@ -13971,6 +13977,7 @@ typedef struct yci_model {
     YCI_ARRAY(yci_length, length);
     YCI_ARRAY(yci_stack, stack);
     YCI_ARRAY(yci_due, due);
+    yci_role *knitted; /* [visits], set in knits; NULL without any */
     YCI_ARRAY(yci_face, face);
     YCI_ARRAY(yci_hinge, hinge);
     YCI_ARRAY(yci_stitch, stitch);
@@ -14174,7 +14181,8 @@ static void yci_model_destroy(yc_scene *s) {
     yci_free(c, m->undulates), yci_free(c, m->height_slot), yci_free(c, m->lift), yci_free(c, m->thrust);
     yci_free(c, m->segment), yci_free(c, m->bend), yci_free(c, m->kink), yci_free(c, m->shear), yci_free(c, m->turn),
         yci_free(c, m->adjacent), yci_free(c, m->flatten), yci_free(c, m->slide), yci_free(c, m->rub);
-    yci_free(c, m->wrap), yci_free(c, m->length), yci_free(c, m->stack), yci_free(c, m->due), yci_free(c, m->unwrap);
+    yci_free(c, m->wrap), yci_free(c, m->length), yci_free(c, m->stack), yci_free(c, m->due), yci_free(c, m->knitted),
+        yci_free(c, m->unwrap);
     yci_free(c, m->face), yci_free(c, m->hinge), yci_free(c, m->stitch), yci_free(c, m->probe), yci_free(c, m->touch);
     yci_free(c, m->grip), yci_free(c, m->edge), yci_free(c, m->ball), yci_free(c, m->face_node),
         yci_pairs_free(c, &m->pairs);
@@ -14973,13 +14981,6 @@ static void yci_build_tail(const yci_build *b, int yarn, int lone, int slider, y
     if (end || (yci_build_full(b, lone - 1) && yci_build_full(b, lone + 1))) e->drop = b->cloth->visit + goes;
 }
 
-/* Which way a visit goes through its stitch contact, from A to B +1, and whether it is the new loop's there. */
-typedef struct yci_role {
-    signed char way;
-    unsigned char fresh;
-    int contact; /* one that names it; -1: none */
-} yci_role;
-
 static void yci_build_knit_roles(const yc_yarns *y, yci_role *role) {
     int i, k;
     for (i = 0; i < y->visit_count; i++) role[i].contact = -1;
@@ -15441,9 +15442,10 @@ static int yci_build_yarns(yci_build *b) {
     yci_crossing *crossing = YCI_NEW(c, yci_crossing, y->node_count);
     const int *walk = b->m->walk + b->cloth->node;
     int i, k, woven = !b->cloth->knit, *room = YCI_NEW(c, int, 2 * (size_t)y->visit_count);
-    yci_role *role = woven ? NULL : YCI_NEW(c, yci_role, y->visit_count);
-    int ok = crossing && room && (woven || role);
-    if (ok && !woven) yci_build_knit_roles(y, role);
+    yci_role *role = NULL;
+    int ok = crossing && room;
+    if (ok && !woven && !b->m->knitted) ok = (b->m->knitted = YCI_NEW(c, yci_role, b->s->visits)) != NULL;
+    if (ok && !woven) role = b->m->knitted + b->cloth->visit, yci_build_knit_roles(y, role);
     if (ok) yci_crossing_fill(crossing, y, y->visit_node, 0, !woven, room), yci_build_slots(b, crossing);
     if (ok && b->m->height_slot) ok = yci_build_heights(b, crossing);
     for (i = 0; i < y->node_count; i++) {
@@ -15455,7 +15457,7 @@ static int yci_build_yarns(yci_build *b) {
         int node = walk[i] - b->cloth->node;
         ok = yci_build_slides(b, crossing + node, node) && yci_build_shear(b, crossing, node);
     }
-    yci_free(c, crossing), yci_free(c, room), yci_free(c, role);
+    yci_free(c, crossing), yci_free(c, room);
     return ok;
 }
 
@@ -15983,6 +15985,13 @@ static double yci_rise(const yc_scene *s, int visit) {
     return yci_crimped(s->model, visit) ? s->model->lift[visit] + s->z[visit] : 0.0;
 }
 
+/* The element of two neighbouring visits' u alone. */
+static void yci_local_slides(const yc_scene *s, yci_local *out, double *q, int a, int b) {
+    out->nodes = 2, out->points = out->dofs = 0;
+    out->node[0] = s->visit_node[a], out->node[1] = s->visit_node[b];
+    yci_local_slide(s, out, q, 0, a), yci_local_slide(s, out, q, 1, b);
+}
+
 /* Appends y of a visit likewise: it varies as z does. */
 static void yci_local_rise(const yc_scene *s, yci_local *out, double *q, int slot, int visit) {
     q[out->dofs] = yci_rise(s, visit);
@@ -16210,10 +16219,7 @@ static void yci_eval_form(const yc_scene *s, int kind, int i, int mode, int proj
     }
     case YCI_ADJACENT: {
         const yci_adjacent *e = m->adjacent + i;
-        out->nodes = 2, out->points = out->dofs = 0;
-        out->node[0] = s->visit_node[e->a], out->node[1] = s->visit_node[e->b];
-        yci_local_slide(s, out, q, 0, e->a);
-        yci_local_slide(s, out, q, 1, e->b);
+        yci_local_slides(s, out, q, e->a, e->b);
         out->energy = yci_yarn_floor(q, e->hardness, e->floor, g, h);
         if (e->stiffness > 0.0) {
             double g2[2], h2[4];
@@ -16251,10 +16257,7 @@ static void yci_eval_form(const yc_scene *s, int kind, int i, int mode, int proj
     }
     case YCI_LENGTH: {
         const yci_length *e = m->length + i;
-        out->nodes = 2, out->points = out->dofs = 0;
-        out->node[0] = s->visit_node[e->a], out->node[1] = s->visit_node[e->b];
-        yci_local_slide(s, out, q, 0, e->a);
-        yci_local_slide(s, out, q, 1, e->b);
+        yci_local_slides(s, out, q, e->a, e->b);
         out->energy = yci_yarn_length(q, e->stiffness, e->length, g, h);
         break;
     }
@@ -16671,7 +16674,7 @@ static void yci_stiffen(yc_scene *s, double share) {
     yci_model *m = s->model;
     const yci_bsr *a = &m->system.a;
     int i;
-    for (i = 0; i < m->slide_count; i++) {
+    for (i = 0; i < m->slide_count && share > 0.0; i++) {
         int visit = m->slide[i].visit, node = m->system_node[s->visit_node[visit]];
         a->val[a->at[a->diag[node]] + (size_t)(m->visit_slot[visit] * (a->dim[node] + 1))] *= 1.0 + share;
     }
@@ -17484,16 +17487,6 @@ static int yci_segment_due(const yc_scene *s, const yci_cloth *cloth, int yarn, 
     return du > YCI_LONG * yci_max(pitch, laid) ? YCI_ADD_NODE : 0;
 }
 
-/* Whether the segment behind visit k lies in a stitch contact. */
-static int yci_change_in_contact(const yc_yarns *y, int k) {
-    int i, found = 0;
-    for (i = 0; i < 2 * y->contact_count && !found; i++) {
-        const int *pair = y->contacts[i / 2].visit[i % 2];
-        found = (pair[0] == k && pair[1] == k + 1) || (pair[1] == k && pair[0] == k + 1);
-    }
-    return found;
-}
-
 /* The energy of a yarn through `count` of its visits: of stretch between them and of bending at the inner ones. */
 static double yci_change_energy(const yc_scene *s, const yci_cloth *cloth, int yarn, const int *visit, int count) {
     const yc_yarns *y = &cloth->yarns;
@@ -17532,28 +17525,16 @@ static int yci_change_pays(const yc_scene *s, const yci_due *e) {
 }
 
 /* The other end of the stitch contacts that a visit lies in; itself where it lies in none. By the scene's numbers. */
-static int yci_change_partner(const yci_cloth *cloth, int visit) {
-    const yc_yarns *y = &cloth->yarns;
-    int i, k = visit - cloth->visit;
-    for (i = 0; i < 4 * y->contact_count; i++)
-        if (y->contacts[i / 4].visit[i / 2 % 2][i % 2] == k)
-            return cloth->visit + y->contacts[i / 4].visit[i / 2 % 2][!(i % 2)];
-    return visit;
-}
-
-static int yci_change_is_new(const yci_cloth *cloth, int visit) { /* whether it is a new loop's in a contact */
-    const yc_yarns *y = &cloth->yarns;
-    int i, found = 0;
-    for (i = 0; i < 2 * y->contact_count && !found; i++)
-        found = y->contacts[i / 2].visit[1][i % 2] == visit - cloth->visit;
-    return found;
+static int yci_change_partner(const yc_scene *s, const yci_cloth *cloth, int visit) {
+    return cloth->visit + yci_build_partner(&cloth->yarns, s->model->knitted + cloth->visit, visit - cloth->visit);
 }
 
 /* A yarn leaves one of its crossings, of a stitch contact both. The old loops of a stack lie side by side: once the new
  * one has gone they part too. */
 static void yci_change_leave(yci_change *w, const yci_cloth *cloth, int visit) {
-    int end[2], i, k, fresh = yci_change_is_new(cloth, visit);
-    end[0] = visit, end[1] = yci_change_partner(cloth, visit);
+    const yci_role *role = w->s->model->knitted + visit;
+    int end[2], i, k, fresh = role->contact >= 0 && role->fresh;
+    end[0] = visit, end[1] = yci_change_partner(w->s, cloth, visit);
     for (i = 0; i < 1 + (end[1] != end[0]); i++) {
         const yci_crossing *at = w->crossing + w->s->visit_node[end[i]];
         int stays = 0;
@@ -17574,9 +17555,9 @@ static void yci_change_mark_due(yci_change *w, const yci_due *e) {
     for (i = 0; i < 2; i++)
         if (e->leave[i] >= 0 &&
             (w->touched[w->s->visit_node[e->leave[i]]] ||
-                w->touched[w->s->visit_node[yci_change_partner(cloth, e->leave[i])]]))
+                w->touched[w->s->visit_node[yci_change_partner(w->s, cloth, e->leave[i])]]))
             return;
-    i = yci_change_partner(cloth, e->leave[0]);
+    i = yci_change_partner(w->s, cloth, e->leave[0]);
     w->tell[i < e->leave[0] ? i : e->leave[0]] = (unsigned char)(1 + e->type);
     for (i = 0; i < 2; i++)
         if (e->leave[i] >= 0) yci_change_leave(w, cloth, e->leave[i]);
@@ -17607,7 +17588,7 @@ static int yci_change_mark(const yc_scene *s, yci_change *w) {
             for (k = y->yarn_first[yarn]; k + 1 < y->yarn_first[yarn + 1]; k++) {
                 int a = cloth->visit + k, due = yci_segment_due(s, cloth, yarn, k, &load);
                 if (!due || (w && (w->touched[s->visit_node[a]] || w->touched[s->visit_node[a + 1]]))) continue;
-                if (cloth->knit && yci_change_in_contact(y, k)) continue;
+                if (cloth->knit && yci_build_joined(y, m->knitted + cloth->visit, k)) continue;
                 count++;
                 if (w && due == YCI_ADD_NODE) w->add[a] = YCI_ADD_NODE;
                 if (load > most) most = load, worst = a;
