@@ -41,6 +41,15 @@ static double mass_of(yc_scene *scene) {
     return mass;
 }
 
+/* Yarns without weight that soon come to rest. */
+static yc_scene *calm(const yc_yarns *y) {
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_scene_desc settings = yc_scene_desc_default();
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    settings.mass_damping = 20.0, settings.dt_max = 2e-3, cloth.yarns = y;
+    return test_scene_of(&settings, &cloth);
+}
+
 /* Brings about what is due, on its own: mass, positions and, where nothing is pinned, momentum stay; what energy it
  * brings is added to gain[0], what it takes to gain[1]. Its events lie behind those of the last step. */
 static void change(yc_scene *scene, double gain[2]) {
@@ -151,8 +160,6 @@ TEST(knit_unravels_decreases) {
  * of an older one of the chain and a loop of the row it then leaves, and so on to the first. */
 TEST(knit_unravels_chain) {
     yc_knit_desc d = yc_knit_desc_default();
-    yc_cloth_desc cloth = yc_cloth_desc_default();
-    yc_scene_desc settings = yc_scene_desc_default();
     yc_yarns y;
     yc_scene *scene;
     double mass, at[3];
@@ -162,9 +169,7 @@ TEST(knit_unravels_chain) {
     y.visit_held[y.visit_count - 1] = 1;
     chain = d.stitches * (1 + 4 * d.rows);  /* its first node */
     node = y.visit_node[y.visit_count - 4]; /* between the last loop and the end that is drawn through it */
-    memset(settings.gravity, 0, sizeof settings.gravity);
-    settings.mass_damping = 20.0, settings.dt_max = 2e-3, cloth.yarns = &y;
-    scene = test_scene_of(&settings, &cloth);
+    scene = calm(&y);
     if (!scene) return;
     mass = mass_of(scene);
     for (i = 0; i < d.stitches; i++) yc_scene_pin(scene, 0, YC_NODE, i, NULL); /* the first row */
@@ -195,17 +200,13 @@ TEST(knit_unravels_chain) {
  * below it is drawn open and slips out of the one below that, and so on down. */
 TEST(knit_runs_where_it_breaks) {
     yc_knit_desc d = yc_knit_desc_default();
-    yc_cloth_desc cloth = yc_cloth_desc_default();
-    yc_scene_desc settings = yc_scene_desc_default();
     yc_yarns y;
     yc_scene *scene;
     double mass, at[3], high = 0.0, middle, w = 1.0 / d.wales, h = 1.0 / d.courses, last = 1e3, gain[2] = {0.0, 0.0};
     int step, i, k, n, torn[2], broken = 0, slipped = 0, released = 0, ok = 1;
     d.stitches = 5, d.rows = 5, d.yarn.strength = 0.0, d.yarn.friction = 0.1;
     if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
-    memset(settings.gravity, 0, sizeof settings.gravity);
-    settings.mass_damping = 20.0, settings.dt_max = 2e-3, cloth.yarns = &y;
-    scene = test_scene_of(&settings, &cloth);
+    scene = calm(&y);
     if (!scene) return;
     mass = mass_of(scene), middle = y.layout[2][0];
     for (i = 0; i < y.node_count; i++) high = fmax(high, y.layout[i][0]);
