@@ -110,15 +110,17 @@ static void spinning(const double x[3], double v[3]) {
     v[0] = 0.2 - 20.0 * x[1], v[1] = -0.1 + 20.0 * x[0], v[2] = 0.3;
 }
 
-static void check_momentum(scene_kind kind) {
+static void check_momentum(scene_kind kind, int hold_sliding, double friction) {
     scene_swatch_desc d = small(kind);
-    scene_swatch *s = scene_swatch_new(&d);
+    scene_swatch *s;
     yc_scene_desc settings = yc_scene_desc_default();
     yc_scene *scene;
     double before[3], after[3], mass, size;
     int step;
+    d.yarn.friction = friction;
+    s = scene_swatch_new(&d);
     memset(settings.gravity, 0, sizeof settings.gravity);
-    s->cloth.hold_sliding = 1;
+    s->cloth.hold_sliding = hold_sliding;
     scene_swatch_place(s, deformed, NULL);
     scene = test_scene_of(&settings, &s->cloth);
     if (scene) {
@@ -136,7 +138,10 @@ static void check_momentum(scene_kind kind) {
 
 TEST(scene_physics_linear_momentum) {
     int kind;
-    for (kind = 0; kind < SCENE_KINDS; kind++) check_momentum((scene_kind)kind);
+    for (kind = 0; kind < SCENE_KINDS; kind++) {
+        check_momentum((scene_kind)kind, 1, 0.3);
+        check_momentum((scene_kind)kind, 0, 0.3), check_momentum((scene_kind)kind, 0, 0.0);
+    }
 }
 
 /* What backward Euler loses of the angular momentum over 20 ms. */

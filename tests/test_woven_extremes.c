@@ -253,7 +253,7 @@ TEST(woven_extremes_free_sliding) {
         }
         printf(
             "   free sliding to %g m: %d Newton iterations, %d rejected sub-steps\n", tolerance[k], newton, rejected);
-        CHECK(newton <= 150 && rejected <= 2);
+        CHECK(newton <= 200 && rejected <= 3);
         swatch_free(&w);
     }
 }
