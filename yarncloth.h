@@ -10492,7 +10492,7 @@ YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns
  *   shear        (1/2) k L (phi - phi_0)^2 + 999 k L g(|phi - phi_0| - limit), phi in [0, pi] between two edges.
  *   contact      (k/d) g(d - du), the neighbouring crossings of one yarn. Convex: projected is exact.
  *   floor        k d b(du/d), b(t) = -(t - 1)^2 log t below 1, 0 above (C2, convex, without bound at 0): no segment
- *                vanishes between two steps. It acts far below any touching distance. Projected is exact.
+ *                vanishes between two steps. In a weave it acts below half of the touching distance. Projected is exact.
  *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where
  *                it slips, the parabola that touches from above: with the exact zero Newton would overshoot forever.
  *   wrapping     k L (1 - s_p s_q cos(psi - psi_0)), s_p, s_q the sines of two tails' angles to a stitch contact's
@@ -15045,7 +15045,8 @@ static int yci_build_visit(const yci_build *b, int yarn, int a, const yci_crossi
         alpha = yci_raise(0.5 * (yci_build_share(b, a) + yci_build_share(b, a + 1)));
         e->a = base, e->b = base + 1, e->stiffness = parallel ? alpha * material->contact : 0.0;
         e->distance = yci_min(touching, role ? rest : 0.9 * rest); /* loops may touch at rest */
-        e->hardness = alpha * YCI_HARDNESS * material->stretch, e->floor = 0.2 * rest, e->drop = -1, e->limit = 0.0;
+        e->hardness = alpha * YCI_HARDNESS * material->stretch, e->drop = -1, e->limit = 0.0;
+        e->floor = parallel && !role ? yci_min(0.2 * rest, 0.5 * touching) : 0.2 * rest; /* contact acts before it */
         if (here->count == 1) yci_build_tail(b, yarn, a, a + 1, e);
         if (next->count == 1) yci_build_tail(b, yarn, a + 1, a, e);
     }
