@@ -16337,7 +16337,7 @@ static void yci_local_find(const yci_model *m, yci_local *e) {
             int row = m->system_node[e->node[i]], column = m->system_node[e->node[j]];
             double *block = NULL;
             if (row >= 0 && column >= 0) {
-                block = a->val + a->at[yci_bsr_find(a, row, column)];
+                block = a->val + a->at[i == j ? a->diag[row] : yci_bsr_find(a, row, column)];
                 YCI_PREFETCH(block), YCI_PREFETCH(block + 8), YCI_PREFETCH(block + 16);
             }
             e->block[i][j] = block;
