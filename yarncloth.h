@@ -993,7 +993,10 @@ typedef struct yc_event {
  *   any energy; within a hundredth they are at any cost. Segments of stitch contacts get no node and do not break;
  * - of the segments of a yarn whose tension exceeds its strength, and which are longer than 0.3 pitch, the one most
  *   overloaded breaks in its middle.
- * Crossings never merge: contact of parallel yarns, and a floor under what is left of a segment, keep two apart.
+ * No event merges crossings. What keeps two of a yarn apart is contact of the yarns that cross it there, which sets in
+ * where these touch and is as soft as `contact` says, and below it a floor under the segment's length, whose force has no
+ * bound as the length goes to 0: however hard yarns are pressed together, some length is left, and with contact 0 it
+ * may be a tenth of that at which they touch.
  * Mass, linear momentum and the positions of all nodes are what they were. Nodes and yarns keep their numbers for ever;
  * new ones come last, except that a node which an event has made may serve again once it is idle. Visits are numbered
  * anew. Pinned nodes, and ends that are tied to a crossing, to a rod or secured (visit_held), are not let go. */
