@@ -599,7 +599,7 @@ typedef enum yc_fabric_name {
  * and 0 where nothing is known. Ranges are those of the Kawabata system's tests (KES-F), in SI units. */
 typedef struct yc_fabric {
     const char *name;    /* "cotton shirting" */
-    const char *source;  /* a sentence: where the numbers come from and how sure they are */
+    const char *source;  /* where the numbers come from and how sure they are */
     int woven;           /* nonzero: `weave` holds; 0, a knit: yarn, wales, courses, loop, and `weave` is zero */
     yc_weave_desc weave; /* with its draft; size and grain are the defaults */
     yc_yarn_material yarn;
@@ -8712,29 +8712,30 @@ static const unsigned char yci_draft_denim[16] = {1, 0, 1, 1, 1, 1, 0, 1, 1, 1, 
 static const unsigned char yci_draft_satin[25] = {
     0, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 0, 1, 1, 1, 1, 1, 1, 1, 0, 1, 1, 0, 1, 1};
 
+#define YCI_FABRIC_BOOKS \
+    "Yarns follow Peirce 1937, Hearle, Grosberg and Backer 1969, and Morton and Hearle; ranges are typical of what " \
+    "Kawabata 1980 and Postle, Carnaby and de Jong 1988 report of such cloth, drape of Cusick's test."
+#define YCI_FABRIC_SPREAD "Single fabrics differ by a factor of two."
+
 static const yci_fabric_row yci_fabric_rows[] = {
-    {"cotton shirting",
-        "Counts, threads and mass as in the trade; crimp, KES and drape ranges are typical textbook values, single "
-        "fabrics differ by a factor of two.",
+    {"cotton shirting", "Counts, threads and mass as in the trade. " YCI_FABRIC_BOOKS " " YCI_FABRIC_SPREAD,
         YC_FIBRE_COTTON, 0, {15, 15}, {34, 28}, 0, {7, 7}, 2.5, NULL, {95, 130}, {{4, 12}, {4, 12}}, {34, 84}, {1, 3},
         490, {2, 6}, {45, 70}},
     {"linen plain",
-        "Counts, threads and mass typical of medium linens; bending, crimp and KES ranges are orders of magnitude.",
+        "Counts, threads and mass typical of medium linens. " YCI_FABRIC_BOOKS " They know little of linen: bending, "
+        "shear and crimp are orders of magnitude.",
         YC_FIBRE_LINEN, 0, {50, 50}, {16, 14}, 0, {5, 5}, 2.5, NULL, {150, 190}, {{20, 60}, {20, 60}}, {40, 110},
         {1.5, 5}, 490, {2, 5}, {60, 85}},
     {"denim 3/1 twill",
-        "Counts, threads and mass of a 12 oz denim as in the trade; crimp, KES and drape ranges are typical textbook "
-        "values, single fabrics differ by a factor of two.",
+        "Counts, threads and mass of a 12 oz denim as in the trade. " YCI_FABRIC_BOOKS " " YCI_FABRIC_SPREAD,
         YC_FIBRE_COTTON, 4, {84, 75}, {25, 17}, 0, {11, 3.5}, 2.5, yci_draft_denim, {320, 480}, {{40, 120}, {20, 60}},
         {110, 280}, {4, 10}, 490, {2, 8}, {80, 95}},
     {"polyester satin",
-        "A five-end satin of flat filament yarn, counts and threads typical; KES and drape ranges are typical textbook "
-        "values, single fabrics differ by a factor of two.",
+        "A five-end satin of flat filament yarn, counts and threads typical. " YCI_FABRIC_BOOKS " " YCI_FABRIC_SPREAD,
         YC_FIBRE_POLYESTER, 5, {8.3, 8.3}, {80, 38}, 0, {3, 2}, 1.25, yci_draft_satin, {80, 120}, {{2, 6}, {2, 6}},
         {14, 28}, {0.3, 1}, 490, {2, 8}, {15, 35}},
     {"cotton single jersey",
-        "Loop length and count as in the trade, wales and courses near the dry-relaxed ones of Munden 1959; KES and "
-        "drape ranges are typical textbook values.",
+        "Loop length and count as in the trade, wales and courses near the dry-relaxed ones of Munden 1959. " YCI_FABRIC_BOOKS,
         YC_FIBRE_COTTON, 0, {20, 20}, {14.8, 19.3}, 2.8, {0, 0}, 2.5, NULL, {140, 180}, {{1, 5}, {1, 5}}, {22, 45},
         {1.5, 4}, 49, {10, 40}, {15, 35}},
     {"wool rib 1x1",
@@ -8752,6 +8753,9 @@ static const yci_fabric_row yci_fabric_rows[] = {
         "and drape values are not known.",
         YC_FIBRE_WOOL, 0, {370, 370}, {2.56, 3.37}, 14.8, {0, 0}, 2.5, NULL, {400, 550}, {{0, 0}, {0, 0}}, {0, 0},
         {0, 0}, 0, {0, 0}, {0, 0}}};
+
+#undef YCI_FABRIC_BOOKS
+#undef YCI_FABRIC_SPREAD
 
 static void yci_fabric_range(double out[2], const double in[2], double unit) {
     out[0] = in[0] * unit, out[1] = in[1] * unit;
