@@ -994,9 +994,9 @@ typedef struct yc_event {
  * - of the segments of a yarn whose tension exceeds its strength, and which are longer than 0.3 pitch, the one most
  *   overloaded breaks in its middle.
  * No event merges crossings. What keeps two of a yarn apart is contact of the yarns that cross it there, which sets in
- * where these touch and is as soft as `contact` says, and below it a floor under the segment's length, whose force has no
- * bound as the length goes to 0: however hard yarns are pressed together, some length is left, and with contact 0 it
- * may be a tenth of that at which they touch.
+ * where these touch and is as soft as `contact` says, and a floor under the segment's length, whose force has no bound
+ * as that goes to 0: however hard yarns are pressed together, some length is left, and with contact 0 it may be a tenth
+ * of that at which they touch.
  * Mass, linear momentum and the positions of all nodes are what they were. Nodes and yarns keep their numbers for ever;
  * new ones come last, except that a node which an event has made may serve again once it is idle. Visits are numbered
  * anew. Pinned nodes, and ends that are tied to a crossing, to a rod or secured (visit_held), are not let go. */
@@ -11131,9 +11131,9 @@ YC_FN void yci_yarn_stack_compression(
 /* -- kinetic ------------------------------------------------------------------------------------------------------- */
 
 /* Lumped, not consistent (a sixth of the segment's mass between its nodes): the frequencies of waves of n segments come
- * out low by (pi / n)^2 / 6 with it, 1.6 % at 10, and high by as much with the other. Backward Euler takes as much at 28
- * steps a period, and more at fewer. Only at a free end the other is better: the lowest frequency of a yarn that hangs
- * is 1.8 % low with 4 segments, with the other 0.18 % high. Chapter mixed needs blocks.
+ * out low by (pi / n)^2 / 6 with it, 1.6 % at 10, and high by as much with the other. Backward Euler takes as much of
+ * them at 28 steps a period, and more at fewer. Only at a free end the other is better: the lowest frequency of a yarn
+ * that hangs is 1.8 % low with 4 segments, with the other 0.18 % high. Chapter mixed needs blocks.
  *
  * Adds the lumped inertia of half a segment to the block (n x n, n = 3 + visits) of its node: (1/2) m |x' - w u'|^2
  * with m = rho du/2 and w = (x_j - x_i)/du, and 1e-3 m on the diagonal of u, the floor for a compressed segment's w

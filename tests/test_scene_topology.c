@@ -279,7 +279,7 @@ TEST(scene_topology_snag) {
 
 /* ---- crossings crowd ------------------------------------------------------------------------------------------ */
 
-/* The least length of yarn between neighbouring crossings, in the distance at which the yarns that cross there touch. */
+/* The least length of yarn between neighbouring crossings, over that at which the yarns that cross there touch. */
 static double least_apart(const swatch *w, double touching) {
     yc_yarns now;
     double least = HUGE_VAL;

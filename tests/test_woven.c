@@ -288,11 +288,11 @@ static double hung_error(int n, int consistent) {
     return chain_frequency(n, tension, x, consistent) / (0.5 * 2.4048255577) - 1.0;
 }
 
-/* Waves of n pieces come out low with lumped mass, and high by as much with consistent mass, by (pi / n)^2 / 6: 1.6 % at
- * 10. Backward Euler, w h -> atan(w h), takes that much at 28 steps a period and more at fewer. At a free end consistent
- * mass is ten times better: the lowest frequency of a hung chain of 2, 4, 8 pieces is 6.4 %, 1.8 %, 0.46 % low with
- * lumped mass, 0.64 %, 0.18 %, 0.05 % high with the other. The library's chain swings as the lumped one, to within what
- * is left of its other modes. */
+/* Waves of n pieces come out low with lumped mass, and high by as much with consistent mass, by (pi / n)^2 / 6: 1.6 %
+ * at 10. Backward Euler, w h -> atan(w h), takes that much at 28 steps a period and more at fewer. At a free end
+ * consistent mass is ten times better: the lowest frequency of a hung chain of 2, 4, 8 pieces is 6.4 %, 1.8 %, 0.46 %
+ * low with lumped mass, 0.64 %, 0.18 %, 0.05 % high with the other. The library's chain swings as the lumped one, to
+ * within what is left of its other modes. */
 TEST(woven_mass_lumped_or_consistent) {
     static const double low[3] = {0.0635, 0.0180, 0.0046}, high[3] = {0.0064, 0.0018, 0.0005};
     double exact = 0.5 * 2.4048255577 * sqrt(9.81 / 0.2);
