@@ -709,6 +709,8 @@ TEST(fabric_weave_refuses) {
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.bending = -1 must not be negative");
     d = good, d.weft.flattening = -2.0;
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.flattening = -2 must not be negative");
+    d = good, d.warp.bundle = 0.5;
+    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.warp.bundle = 0.5 must be at least 1");
     d = good, d.weft.shear_limit = 2.0;
     refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.shear_limit = 2 must lie in (0, pi/2]");
     d = good, d.weft.friction = 11.0;
@@ -1016,6 +1018,7 @@ TEST(fabric_bundle) {
     CHECK_NEAR(y.materials[0].crimp_bending, 27.0 * m.crimp_bending, 1e-20);
     CHECK_NEAR(y.materials[0].strength, 6.0, 1e-15);
     CHECK(y.materials[0].flattening == d.warp.flattening && d.warp.flattening > 0.0);
+    CHECK(y.materials[0].bundle == 3.0 && y.materials[2].bundle == 1.0 && m.bundle == 1.0);
     CHECK(y.materials[0].friction == m.friction && y.materials[0].shear_limit == m.shear_limit);
     yc_yarns_destroy(&y);
 }

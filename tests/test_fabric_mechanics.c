@@ -17,6 +17,15 @@ static yc_fabric shirting(void) {
 
 static int within(double value, const double range[2]) { return value >= range[0] && value <= range[1]; }
 
+/* The slope at the end of a curve whose linearity LT lies between 0.6 and 0.8, (2/LT - 1) force / extension. */
+static int ends_within(const scene_tensile *curve, const yc_fabric *f) {
+    double range[2], slope = scene_tensile_slope(curve, f->tension);
+    range[0] = (2.0 / 0.8 - 1.0) * f->tension / f->extension[1];
+    range[1] = (2.0 / 0.6 - 1.0) * f->tension / f->extension[0];
+    printf("   %s: ends with %.3g kN/m, of %.3g to %.3g\n", f->name, 1e-3 * slope, 1e-3 * range[0], 1e-3 * range[1]);
+    return within(slope, range);
+}
+
 /* The instrument itself: a strip whose tip hangs at 41.5 degrees reaches out by two bending lengths (Peirce 1930), a
  * stiff one sinks by w L^4 / (8 B), and steeper is longer. */
 TEST(fabric_mechanics_elastica) {
@@ -62,7 +71,7 @@ TEST(fabric_mechanics_tension) {
         CHECK((curve.force[k] - curve.force[k - 1]) / (curve.strain[k] - curve.strain[k - 1]) >
             (curve.force[k - 1] - curve.force[k - 2]) / (curve.strain[k - 1] - curve.strain[k - 2]));
     soft = scene_tensile_at(&curve, f.tension);
-    CHECK(within(soft, f.extension));
+    CHECK(within(soft, f.extension) && ends_within(&curve, &f));
     CHECK(scene_tensile_slope(&curve, f.tension) > 2.5 * curve.force[1] / curve.strain[1]);
     CHECK(curve.across[curve.count - 1] < -0.005); /* the wefts take up what the warps lose */
     CHECK(curve.force[1] / curve.strain[1] < 0.05 * straight);
@@ -212,10 +221,9 @@ static void measure(yc_fabric_name name, int repeat, int sheared, int modulus) {
     s.across = s.along = sheared, s.tension = 9.80665, s.angle = 8.0 * degree, s.steps = 16;
     b.across = repeat;
     t.across = 64, t.along = 16, t.step = 2e-3, t.force = f.tension, t.strain = 0.1;
-    printf("   %s:", f.name);
     for (axis = 0; axis < 2; axis++) {
         const yc_yarn_material *m = axis ? &f.weave.warp : &f.weave.weft;
-        double rigidity = m->bending / f.weave.spacing[!axis], low, high;
+        double rigidity = m->bending / f.weave.spacing[!axis];
         scene_cantilever c;
         scene_tensile curve;
         s.axis = b.axis = t.axis = axis;
@@ -224,16 +232,13 @@ static void measure(yc_fabric_name name, int repeat, int sheared, int modulus) {
         if (!CHECK_RESULT(scene_cantilever_run(&b, &c, NULL), YC_OK)) return;
         CHECK(within(c.rigidity, f.bending[!axis]));
         CHECK_NEAR(c.rigidity / rigidity * (1.0 + f.weave.crimp[!axis]), 1.0, 0.02);
-        printf(" B %.3g uN m,", 1e6 * c.rigidity);
+        printf("   %s: B %.3g uN m\n", f.name, 1e6 * c.rigidity);
         if (!modulus) continue;
-        /* The slope at the end of a curve whose linearity LT lies between 0.6 and 0.8, (2/LT - 1) force / extension. */
-        low = (2.0 / 0.8 - 1.0) * f.tension / f.extension[1], high = (2.0 / 0.6 - 1.0) * f.tension / f.extension[0];
         if (!CHECK_RESULT(scene_tensile_run(&t, &curve, NULL), YC_OK)) return;
-        CHECK(scene_tensile_slope(&curve, f.tension) > low && scene_tensile_slope(&curve, f.tension) < high);
-        printf(" E %.3g kN/m of %.3g to %.3g,", 1e-3 * scene_tensile_slope(&curve, f.tension), 1e-3 * low, 1e-3 * high);
+        CHECK(ends_within(&curve, &f));
     }
     g = 0.5 * (loop[0].stiffness + loop[1].stiffness), width = 0.5 * (loop[0].hysteresis + loop[1].hysteresis);
-    printf(" G %.3g, 2HG %.3g N/m\n", g, width);
+    printf("   %s: G %.3g, 2HG %.3g N/m\n", f.name, g, width);
     CHECK(within(g, f.shear));
     CHECK(within(width, f.hysteresis));
 }
@@ -260,6 +265,50 @@ TEST(fabric_mechanics_drape) {
     }
     if (!CHECK_RESULT(scene_drape_run(&d, &soft, NULL), YC_OK)) return;
     CHECK(soft.coefficient < stiff.coefficient - 0.1);
+}
+
+/* Of a shirting of n by n yarns or bundles: shear, the loop's width, without tension and with, mass per area, and
+ * bending. */
+static void bundled(int n, int bundle, double value[6]) {
+    yc_fabric f = shirting();
+    yc_scene_desc settings = scene_quasistatic();
+    scene_sample *s;
+    scene_shear_desc d;
+    scene_shear_loop loop;
+    scene_cantilever_desc b;
+    scene_cantilever c;
+    int k;
+    f.weave.bundle = bundle;
+    memset(&d, 0, sizeof d), memset(&b, 0, sizeof b), memset(value, 0, 6 * sizeof *value);
+    d.weave = b.weave = f.weave, d.across = d.along = n, d.angle = 8.0 * degree, d.steps = 16;
+    for (k = 0; k < 2; k++, d.tension = 100.0) {
+        if (!CHECK_RESULT(scene_shear_run(&d, &loop, NULL), YC_OK)) return;
+        value[2 * k] = loop.stiffness, value[2 * k + 1] = loop.hysteresis;
+    }
+    b.axis = 1, b.across = 4, b.overhang = 0.03;
+    if (CHECK_RESULT(scene_cantilever_run(&b, &c, NULL), YC_OK)) value[5] = c.rigidity;
+    f.weave.size[0] = 48 * f.weave.spacing[0], f.weave.size[1] = 48 * f.weave.spacing[1];
+    s = scene_sample_new(&f.weave, NULL, &settings, 1, NULL);
+    if (CHECK(s != NULL) && CHECK_RESULT(yc_scene_momentum(s->scene, value + 4, NULL, NULL), YC_OK))
+        value[4] /= f.weave.size[0] * f.weave.size[1];
+    scene_sample_free(s);
+}
+
+/* Single yarns and bundles of four. The border's share falls as 1 / n and is taken off by two swatches. Of bundles it is
+ * larger, 12 % of 2HG at n = 6: their free ends beyond the last crossing are longer, against what bends them, and give
+ * way instead of turning. What is left of that is 4 % of G where no tension helps; the rest agrees within 1 %. */
+TEST(fabric_mechanics_bundles) {
+    static const char *const names[6] = {"G", "2HG", "G under 100 N/m", "2HG under 100 N/m", "mass", "B"};
+    double value[2][2][6];
+    int i, k;
+    for (k = 0; k < 2; k++)
+        for (i = 0; i < 2; i++) bundled(i ? 12 : 6, k ? 4 : 1, value[k][i]);
+    for (i = 0; i < 6; i++) {
+        double single = 2.0 * value[0][1][i] - value[0][0][i], four = 2.0 * value[1][1][i] - value[1][0][i];
+        printf("   %s: of n = 6, 12 yarns %.5g, %.5g, bundles %.5g, %.5g, the border off x %.4f\n", names[i],
+            value[0][0][i], value[0][1][i], value[1][0][i], value[1][1][i], four / single);
+        CHECK_NEAR(four / single, 1.0, i == 0 ? 0.05 : 0.01);
+    }
 }
 
 /* Denim of 20 by 20 buckles on the way: corrections fell by 4 % an iteration while the Hessian lacked its negative

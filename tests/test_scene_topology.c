@@ -277,6 +277,60 @@ TEST(scene_topology_snag) {
     swatch_free(&w);
 }
 
+/* ---- crossings crowd ------------------------------------------------------------------------------------------ */
+
+/* The least length of yarn between neighbouring crossings, over that at which the yarns that cross there touch. */
+static double least_apart(const swatch *w, double touching) {
+    yc_yarns now;
+    double least = HUGE_VAL;
+    int i, k, *visits;
+    CHECK_RESULT(yc_scene_network(w->scene, 0, &now), YC_OK);
+    visits = (int *)calloc((size_t)now.node_count, sizeof *visits);
+    for (i = 0; i < now.visit_count; i++) visits[now.visit_node[i]]++;
+    for (i = 0; i < now.yarn_count; i++)
+        for (k = now.yarn_first[i]; k + 1 < now.yarn_first[i + 1]; k++)
+            if (visits[now.visit_node[k]] > 1 && visits[now.visit_node[k + 1]] > 1)
+                least = fmin(least, (now.visit_u[k + 1] - now.visit_u[k]) / touching);
+    free(visits);
+    return least;
+}
+
+/* Two neighbouring warps are drawn by their ends to each other's place, so that they strangle each other all along, and
+ * then a weft is drawn through the cloth. */
+static double crowded(double contact) {
+    yc_weave_desc weave = yc_weave_desc_default();
+    yc_yarn_material yarn = gripping(0.005);
+    double touching = 2.0 * yarn.radius, least = HUGE_VAL;
+    int step, k, ok = 1, tip, merged = 0;
+    swatch w;
+    yarn.contact *= contact;
+    weave.spacing[0] = weave.spacing[1] = 2.5 * touching, weave.warp = weave.weft = yarn;
+    w = swatch_of(NULL, SIDE, weave, 0), tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1);
+    hold_warps(&w);
+    for (step = 1; step <= 80 && ok; step++) {
+        double by = weave.spacing[0] * (step < 40 ? step : 40) / 40.0;
+        for (k = 0; k < 4; k++)
+            draw_node(&w, tip_of(&w.yarns, YC_WARP, SIDE / 2 - k / 2, k % 2), k / 2 ? by : -by, 0.0);
+        if (step > 40) draw_node(&w, tip, 0.1 * weave.spacing[0] * (step - 40), 0.0);
+        ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK) && sound(&w);
+        least = fmin(least, least_apart(&w, touching)), merged += count_events(w.scene, YC_EVENT_MERGE);
+    }
+    CHECK(merged == 0);
+    swatch_free(&w);
+    return least;
+}
+
+/* No event merges them. Contact keeps more than half of the touching distance; without it, the floor under a segment's
+ * length a twentieth. */
+TEST(scene_topology_crossings_stay_apart) {
+    double least[3];
+    least[0] = crowded(1.0), least[1] = crowded(0.0), least[2] = crowded(1e3);
+    printf("   crowded crossings: %.3f touching distances apart at least, without contact %.3f, times 1000 %.3f\n",
+        least[0], least[1], least[2]);
+    CHECK(least[0] > 0.5 && least[1] > 0.05 && least[2] > 0.9);
+    CHECK(least[1] < 0.5 && least[0] < 0.9); /* else they were not crowded */
+}
+
 /* ---- breaks --------------------------------------------------------------------------------------------------- */
 
 /* A yarn of `pieces` segments, straight, in a scene without gravity. */

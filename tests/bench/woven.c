@@ -204,9 +204,7 @@ static void report_bending(const yc_fabric *f) {
     }
 }
 
-/* In bundles of that width, m, the mean of some starts, and how far they scatter. No yarn slides here, so that only the
- * moments of friction count: they should grow by bundle^2 like any energy of a crossing, and would by more (see
- * yci_yarn_bundle). */
+/* In bundles of that width, m, the mean of some starts, and how far they scatter. */
 static yc_result drape_of(
     const yc_weave_desc *weave, double width, int starts, scene_drape *mean, double *scatter, char *message) {
     scene_drape_desc d = scene_drape_desc_default(weave);
@@ -216,7 +214,6 @@ static yc_result drape_of(
     for (family = 0; family < 2; family++) {
         yc_yarn_material *m = family == YC_WARP ? &d.weave.warp : &d.weave.weft;
         m->density *= 1.0 + d.weave.crimp[family], d.weave.crimp[family] = 0.0;
-        m->preload /= k, m->slide /= (double)k * k;
     }
     d.weave.bundle = k, d.show = picture;
     memset(mean, 0, sizeof *mean);

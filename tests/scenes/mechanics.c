@@ -72,11 +72,14 @@ static yc_result finish(scene_sample *s, yc_result result, char *message) {
     return result;
 }
 
+/* m, between what is laid as one. */
+static double pitch(const yc_weave_desc *weave, int axis) { return weave->bundle * weave->spacing[axis]; }
+
 static scene_sample *rectangle(const yc_weave_desc *weave, int axis, int across, int along, char *message) {
     yc_weave_desc d = *weave;
     yc_scene_desc settings = scene_quasistatic();
     if (d.grain != 0.0) settings.tolerance = 1e-8; /* larger swatches and far larger motions */
-    d.size[axis] = along * weave->spacing[axis], d.size[!axis] = across * weave->spacing[!axis];
+    d.size[axis] = along * pitch(weave, axis), d.size[!axis] = across * pitch(weave, !axis);
     return scene_sample_new(&d, NULL, &settings, 1, message);
 }
 
@@ -85,7 +88,7 @@ static scene_sample *rectangle(const yc_weave_desc *weave, int axis, int across,
 /* 1 at the end that is drawn, -1 at the other, 2 at a side, 0 elsewhere. On the bias a clamp takes in two spacings. */
 static int clamp_of(const scene_sample *s, int axis, int node) {
     const double *at = s->yarns.layout[node], *size = s->weave.size;
-    double grip = s->weave.grain == 0.0 ? tiny : s->weave.spacing[0] + s->weave.spacing[1];
+    double grip = s->weave.grain == 0.0 ? tiny : pitch(&s->weave, 0) + pitch(&s->weave, 1);
     if (at[axis] < grip) return -1;
     if (at[axis] > size[axis] - grip) return 1;
     return at[!axis] < tiny || at[!axis] > size[!axis] - tiny ? 2 : 0;
@@ -254,7 +257,7 @@ double scene_elastica(double angle) {
 
 yc_result scene_cantilever_run(const scene_cantilever_desc *d, scene_cantilever *out, char *message) {
     static const double share[] = {0.1, 0.3, 0.6, 1.0};
-    double p = d->weave.spacing[d->axis], load = weight * yc_weave_material(&d->weave).density, clamp = 1.5 * p, x, y;
+    double p = pitch(&d->weave, d->axis), load = weight * yc_weave_material(&d->weave).density, clamp = 1.5 * p, x, y;
     scene_sample *s = rectangle(&d->weave, d->axis, d->across, (int)(d->overhang / p + 1.5), message);
     yc_result result = s ? YC_OK : YC_ERROR_ARGUMENT;
     int i, count = 0;
