@@ -13256,7 +13256,8 @@ typedef struct yci_system {
     yci_mass_p mass_p;
     yci_mass_dense mass_dense;
     double *work, *coarse_x, *coarse_work;
-    double *cg; /* four vectors */
+    double *cg;     /* four vectors */
+    int indefinite; /* whether conjugate gradients have found the matrix not positive definite */
 } yci_system;
 
 static int yci_system_size(const yci_system *s) { return s->a.off[s->a.n]; }
@@ -13492,10 +13493,12 @@ static double yci_vector_largest(const double *a, int n) {
 }
 
 /* MPCG, until r'z has fallen by the square of `tolerance` or the preconditioner would move nothing by more than
- * `enough`. b in A's layout is spent; d receives the increment in A's layout (v, p). Returns the iterations. */
+ * `enough`. b in A's layout is spent; d, which may be b, receives the increment in A's layout (v, p); where the matrix
+ * shows a direction of no curvature, as far as it came until then. Returns the iterations. */
 static int yci_system_mpcg(yci_system *s, double *b, double *d, double tolerance, double enough, int limit) {
     int i, iteration, size = yci_system_size(s);
     double *q = s->cg, *z = q + size, *dir = z + size, *y = dir + size, *r = b, rz, start = 0.0;
+    s->indefinite = 0;
     yci_system_reduce(s, r);
     memset(q, 0, (size_t)size * sizeof *q);
     if (s->solver == YC_SOLVER_TWO_LEVEL) {
@@ -13513,7 +13516,8 @@ static int yci_system_mpcg(yci_system *s, double *b, double *d, double tolerance
         double step, next, curvature;
         yci_system_multiply(s, dir, y);
         curvature = yci_vector_dot(dir, y, size);
-        if (!(curvature > 0.0)) break;
+        s->indefinite = !(curvature > 0.0);
+        if (s->indefinite) break;
         step = rz / curvature;
         for (i = 0; i < size; i++) q[i] += step * dir[i], r[i] -= step * y[i];
         yci_system_precondition(s, r, z, y);
@@ -13993,6 +13997,8 @@ typedef struct yci_local {
 #define YCI_LOOP 8            /* visits of a plain loop of a knit */
 #define YCI_NEAR 10.0         /* tolerances: a shorter Newton step may be the last but for one that need not be taken */
 #define YCI_CONVEX (1.0 / 64.0) /* least share of semidefinite Hessians where the exact ones have no factor */
+#define YCI_CONVEX_SHIFT 1e-4   /* largest shift of an incomplete factor with a smaller share than all of them */
+#define YCI_BENT 0.1            /* to this share what bends a line search is solved for */
 #define YCI_PATIENCE 3          /* Newton iterations without a lower E before line searches; see yci_newton */
 #define YCI_PATIENCE_MOST 12    /* at most so many before the share of semidefinite Hessians falls again */
 #define YCI_SHIFT 1e-6          /* of the diagonal: most by which sliding is stiffened that would cost nothing */
@@ -16804,30 +16810,49 @@ static int yci_shift_more(yci_model *m) {
     return 1;
 }
 
-/* Solves for the direction; the matrix and the gradient are those of the present state. Only the two levels come close
- * enough to the inverse to tell how far it would move what is left. */
+/* Whether what is solved for is plain A d = b, and about A's inverse known. */
+static int yci_solves_plain(const yci_model *m) {
+    return m->solver == YC_SOLVER_DIRECT || (m->solver == YC_SOLVER_TWO_LEVEL && !m->hybrid);
+}
+
+/* d = A^-1 d for the factors at hand, to a share of it. Only the two levels come close enough to the inverse to tell
+ * how far it would move what is left. */
+static void yci_solve(yc_scene *s, double *d, double share, double tolerance, yc_stats *stats) {
+    yci_model *m = s->model;
+    if (m->solver == YC_SOLVER_DIRECT) yci_system_direct(&m->system, d);
+    else
+        stats->linear += yci_system_mpcg(
+            &m->system, d, d, share, m->solver == YC_SOLVER_TWO_LEVEL ? 1e-2 * tolerance : 0.0, s->desc.linear_limit);
+}
+
+/* Solves for the direction. While elements keep a share only of what makes them semidefinite, a matrix that conjugate
+ * gradients find indefinite, or that only a shift makes one with an incomplete factor, counts as one without. */
+static yc_result yci_direction_try(yc_scene *s, double tolerance, yc_stats *stats) {
+    yci_model *m = s->model;
+    int i, size = yci_system_size(&m->system);
+    yc_result result;
+    yci_stiffen(s, m->shift);
+    result = yci_system_factor(&m->system);
+    if (result != YC_OK) return result;
+    if (m->convex < 1.0 && m->system.ic && m->system.ic->shift > YCI_CONVEX_SHIFT) return YC_ERROR_NOT_SPD;
+    for (i = 0; i < size; i++) m->direction[i] = -m->gradient[i];
+    yci_solve(s, m->direction, s->desc.linear_tolerance, tolerance, stats);
+    return m->convex < 1.0 && m->system.indefinite ? YC_ERROR_NOT_SPD : YC_OK;
+}
+
+/* The direction of the present state, whose matrix and gradient are at hand. */
 static yc_result yci_direction(yc_scene *s, double tolerance, yc_stats *stats) {
     yci_model *m = s->model;
     int i, size = yci_system_size(&m->system);
     double slope = 0.0, scale;
-    yc_result result;
-    yci_stiffen(s, m->shift);
-    result = yci_system_factor(&m->system);
+    yc_result result = yci_direction_try(s, tolerance, stats);
     while (result == YC_ERROR_NOT_SPD) {
         if (m->convex < 1.0) m->convex = yci_min(1.0, yci_max(4.0 * m->convex, YCI_CONVEX));
         else if (!yci_shift_more(m)) break;
         yci_potential(s, YCI_HESSIAN, &scale);
-        yci_stiffen(s, m->shift);
-        result = yci_system_factor(&m->system);
+        result = yci_direction_try(s, tolerance, stats);
     }
     if (result != YC_OK) return result;
-    for (i = 0; i < size; i++) m->right[i] = -m->gradient[i];
-    if (m->solver == YC_SOLVER_DIRECT) {
-        memcpy(m->direction, m->right, (size_t)size * sizeof(double));
-        yci_system_direct(&m->system, m->direction);
-    } else
-        stats->linear += yci_system_mpcg(&m->system, m->right, m->direction, s->desc.linear_tolerance,
-            m->solver == YC_SOLVER_TWO_LEVEL ? 1e-2 * tolerance : 0.0, s->desc.linear_limit);
     for (i = 0; i < size; i++) slope += m->gradient[i] * m->direction[i];
     m->slope = slope;
     return slope <= 0.0 ? YC_OK : YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "no descent direction: slope %g", slope);
@@ -16942,7 +16967,7 @@ static void yci_excess(yc_scene *s) {
 
 /* E after a share of the direction; where `bent`, and after what takes the excess of tension away that is then there,
  * by the factor at hand. */
-static double yci_trial(yc_scene *s, double share, int bent) {
+static double yci_trial(yc_scene *s, double share, int bent, double tolerance, yc_stats *stats) {
     yci_model *m = s->model;
     int i, size = yci_system_size(&m->system);
     double unused;
@@ -16952,7 +16977,7 @@ static double yci_trial(yc_scene *s, double share, int bent) {
         for (i = 0; i < m->segment_count; i++)
             m->segment[i].excess -= yci_segment_tension(s, m->segment + i, m->direction, share);
         yci_excess(s);
-        yci_system_direct(&m->system, m->right);
+        yci_solve(s, m->right, YCI_BENT, tolerance, stats);
         for (i = 0; i < size; i++) m->dof[i] += m->right[i];
     } else
         for (i = 0; i < size; i++) m->dof[i] = m->start[i] + share * m->direction[i];
@@ -16963,15 +16988,17 @@ static double yci_trial(yc_scene *s, double share, int bent) {
 /* Backtracks along the direction, and along the bent way beside it, until E falls enough. A fall too small for E to
  * resolve is taken on trust: there the quadratic model is exact to rounding. Tension and friction are then those of the
  * linear model by the share that was taken of it. */
-static yc_result yci_line_search(yc_scene *s, double energy, double scale, double longest) {
+static yc_result yci_line_search(
+    yc_scene *s, double energy, double scale, double longest, double tolerance, yc_stats *stats) {
     yci_model *m = s->model;
-    int tries, bent, fell = 0, ways = m->solver == YC_SOLVER_DIRECT ? 2 : 1;
+    int tries, bent, fell = 0, ways = yci_solves_plain(m) ? 2 : 1;
     double t = 2.0 * yci_step_limit(s, longest);
     memcpy(m->start, m->dof, (size_t)yci_system_size(&m->system) * sizeof(double));
     for (tries = 0; tries < 40 && !fell; tries++) {
         t *= 0.5;
         for (bent = 0; bent < ways && !fell; bent++)
-            fell = yci_trial(s, t, bent) <= energy + 1e-4 * t * m->slope || -t * m->slope < 1e-12 * scale;
+            fell = yci_trial(s, t, bent, tolerance, stats) <= energy + 1e-4 * t * m->slope ||
+                -t * m->slope < 1e-12 * scale;
     }
     if (!fell)
         return YCI_FAIL(&s->c, YC_ERROR_DIVERGED,
@@ -17111,11 +17138,11 @@ static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
         slow = stats->correction > 0.5 * last ? slow + 1 : 0, last = stats->correction;
         if (m->convex > convex) patience = patience < YCI_PATIENCE_MOST ? patience + patience / 2 : patience, slow = 0;
         if (slow >= patience && -m->slope < 1e-15 * scale) yci_shift_more(m), slow = 0;
-        else if (slow >= patience && m->solver == YC_SOLVER_DIRECT)
+        else if (slow >= patience && yci_solves_plain(m))
             m->convex = m->convex > YCI_CONVEX / 16.0 ? 0.25 * m->convex : 0.0, slow = 0;
         lost = !m->searching && yci_length_limit(s) < 1.0;
         if (lost) continue;
-        if (m->searching) result = yci_line_search(s, energy, scale, stats->correction);
+        if (m->searching) result = yci_line_search(s, energy, scale, stats->correction, tolerance, stats);
         else yci_full_step(s, stats->correction);
         if (result != YC_OK) return result;
         if (tense && m->eased > tolerance && iteration < YCI_PATIENCE) continue;
