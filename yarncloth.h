@@ -5870,10 +5870,12 @@ static void yci_ldl_solve(const yci_ldl *f, double *x, int count, int ldx, doubl
 
 /* --------------------------------------------------------------------------------------------------- incomplete --- */
 
-/* A ~ L L' on the pattern of A between the included nodes, block row by block row (Saad, Iterative Methods for Sparse
- * Linear Systems, 10.3, with blocks for entries). A pivot block that is not positive definite restarts the
- * factorisation with the diagonal blocks of A times 1 + shift (after Manteuffel, Math. Comp. 34, 1980); after
- * YCI_IC_RAISES raises, 1e-3 to 1, only the diagonal blocks are kept. */
+/* A ~ L L' on the pattern of A between the included nodes, and on so many levels of fill beyond it (0: none), block row
+ * by block row (Saad, Iterative Methods for Sparse Linear Systems, 10.3, with blocks for entries). A pivot block that
+ * is not positive definite restarts the factorisation with the diagonal blocks of A times 1 + shift (after Manteuffel,
+ * Math. Comp. 34, 1980), by decades: a shift of 1e-3 where 1e-6 will do takes ten times the iterations in knits, whose
+ * yarn is that much stiffer along itself than any other way. After YCI_IC_RAISES raises, 1e-6 to 1, only the diagonal
+ * blocks are kept. */
 #define YCI_IC_RAISES 7
 
 typedef struct yci_ic {
@@ -5882,7 +5884,7 @@ typedef struct yci_ic {
     int count;
     int *node, *off, *dim; /* per included node, in order: node of the matrix, its first unknown, its unknowns */
     int *ptr, *col;        /* count + 1: blocks left of the diagonal, ascending positions */
-    int *source;           /* what they are in the matrix, turned round: its blocks are by rows */
+    int *source;           /* what they are in the matrix, turned round: its blocks are by rows; -1: fill */
     int *diag;             /* count: the diagonal's block in the matrix */
     size_t *at, *corner;   /* first value of each block of L, and of each inverse diagonal block, both by columns */
     double *val;
@@ -5903,53 +5905,107 @@ static void yci_ic_destroy(yci_ic *f) {
     yci_free(c, f);
 }
 
-/* Lays out L: `pos` gives a node's place in the order, or -1. Rows are short, so each is sorted by insertion. */
-static void yci_ic_layout(yci_ic *f, const yci_bsr *m, const int *pos) {
-    size_t values = 0;
-    int i, k, at = 0;
-    for (i = 0; i < f->count; i++) {
-        int v = f->node[i], begin = at;
-        f->off[i] = m->off[v], f->dim[i] = m->dim[v], f->diag[i] = m->diag[v];
-        for (k = m->ptr[v]; k < m->ptr[v + 1]; k++) {
-            int j = pos[m->col[k]], slot = at;
-            if (j < 0 || j >= i) continue;
-            for (; slot > begin && f->col[slot - 1] > j; slot--)
-                f->col[slot] = f->col[slot - 1], f->source[slot] = f->source[slot - 1];
-            f->col[slot] = j, f->source[slot] = yci_bsr_find(m, m->col[k], v), at++;
+/* Which blocks L has, by columns: below the diagonal of column k the rows row[ptr[k]..ptr[k + 1]), as they came, and
+ * how many levels of fill each is from the matrix. */
+typedef struct yci_ic_pattern {
+    int *ptr, *row, *level, *left, *mark; /* left, mark: count each; the row at hand: its columns, and levels + 1 */
+    int count, capacity, levels, level_capacity;
+} yci_ic_pattern;
+
+static void yci_ic_pattern_free(yci_context *c, yci_ic_pattern *p) {
+    yci_free(c, p->ptr), yci_free(c, p->row), yci_free(c, p->level), yci_free(c, p->left), yci_free(c, p->mark);
+}
+
+/* Adds node j of the order to row i; `lefts` is the number of its columns, ascending, which node j follows or joins. */
+static int yci_ic_reach(yci_context *c, yci_ic_pattern *p, int i, int j, int level, int *lefts) {
+    int slot = *lefts;
+    if (p->mark[j]) {
+        if (p->mark[j] > level + 1) p->mark[j] = level + 1;
+        return 1;
+    }
+    p->mark[j] = level + 1;
+    if (j > i) {
+        if (!YCI_RESERVE(c, p->row, p->capacity, p->count, p->count + 1)) return 0;
+        p->row[p->count++] = j;
+        return 1;
+    }
+    for (; slot > 0 && p->left[slot - 1] > j; slot--) p->left[slot] = p->left[slot - 1];
+    p->left[slot] = j, ++*lefts;
+    return 1;
+}
+
+/* Row i, by symmetry column i: what the matrix has there, and what its columns bring along (Saad, 10.3.3). */
+static int yci_ic_pattern_row(yci_context *c, yci_ic_pattern *p, const yci_bsr *m, const int *pos, int v, int fill) {
+    int i = pos[v], k, e, lefts = 0;
+    p->ptr[i] = p->count, p->mark[i] = 1;
+    for (k = m->ptr[v]; k < m->ptr[v + 1]; k++)
+        if (pos[m->col[k]] >= 0 && !yci_ic_reach(c, p, i, pos[m->col[k]], 0, &lefts)) return 0;
+    for (k = 0; k < lefts && fill > 0; k++)
+        for (e = p->ptr[p->left[k]]; e < p->ptr[p->left[k] + 1]; e++) {
+            int level = p->mark[p->left[k]] + p->level[e];
+            if (level <= fill && !yci_ic_reach(c, p, i, p->row[e], level, &lefts)) return 0;
         }
-        for (k = begin; k < at; k++) f->at[k] = values, values += (size_t)(f->dim[i] * f->dim[f->col[k]]);
+    if (!YCI_RESERVE(c, p->level, p->level_capacity, p->ptr[i], p->count)) return 0;
+    for (e = p->ptr[i]; e < p->count; e++) p->level[e] = p->mark[p->row[e]] - 1, p->mark[p->row[e]] = 0;
+    for (k = 0; k < lefts; k++) p->mark[p->left[k]] = 0;
+    p->mark[i] = 0, p->ptr[i + 1] = p->count;
+    return 1;
+}
+
+static int yci_ic_pattern_make(
+    yci_context *c, yci_ic_pattern *p, const yci_bsr *m, const int *pos, const int *node, int count, int fill) {
+    int i;
+    memset(p, 0, sizeof *p);
+    p->ptr = YCI_NEW(c, int, (size_t)count + 1), p->left = YCI_NEW(c, int, count), p->mark = YCI_NEW(c, int, count);
+    if (!p->ptr || !p->left || !p->mark) return 0;
+    for (i = 0; i < count; i++)
+        if (!yci_ic_pattern_row(c, p, m, pos, node[i], fill)) return 0;
+    return 1;
+}
+
+/* Lays out L: rows are what columns are not. */
+static void yci_ic_layout(yci_ic *f, const yci_bsr *m, const yci_ic_pattern *p) {
+    size_t values = 0;
+    int i, k;
+    for (i = 0; i < f->count; i++) f->off[i] = m->off[f->node[i]], f->dim[i] = m->dim[f->node[i]];
+    for (i = 0; i < f->count; i++) f->diag[i] = m->diag[f->node[i]];
+    for (k = 0; k < p->count; k++) f->ptr[p->row[k] + 1]++;
+    for (i = 0; i < f->count; i++) f->ptr[i + 1] += f->ptr[i], f->mark[i] = f->ptr[i];
+    for (i = 0; i < f->count; i++)
+        for (k = p->ptr[i]; k < p->ptr[i + 1]; k++) {
+            int slot = f->mark[p->row[k]]++;
+            f->col[slot] = i, f->source[slot] = p->level[k] ? -1 : yci_bsr_find(m, f->node[i], f->node[p->row[k]]);
+        }
+    for (i = 0; i < f->count; i++) {
+        for (k = f->ptr[i]; k < f->ptr[i + 1]; k++)
+            f->at[k] = values, values += (size_t)(f->dim[i] * f->dim[f->col[k]]);
         f->corner[i] = values, values += (size_t)(f->dim[i] * f->dim[i]);
-        f->ptr[i + 1] = at;
     }
     f->corner[f->count] = values;
-    for (k = 0; k < at; k++) f->down_ptr[f->col[k] + 1]++;
-    for (i = 0; i < f->count; i++) f->down_ptr[i + 1] += f->down_ptr[i];
-    for (i = 0; i < f->count; i++) /* ends, from which columns are filled back */
-        f->mark[i] = f->down_ptr[i + 1];
+    memcpy(f->down_ptr, p->ptr, ((size_t)f->count + 1) * sizeof *p->ptr);
+    for (i = 0; i < f->count; i++) f->mark[i] = f->down_ptr[i + 1]; /* ends, from which columns are filled back */
     for (i = 0; i < f->count; i++)
         for (k = f->ptr[i]; k < f->ptr[i + 1]; k++) f->row[--f->mark[f->col[k]]] = i, f->down[f->mark[f->col[k]]] = k;
     for (i = 0; i < f->count; i++) f->mark[i] = -1;
 }
 
-/* Prepares an incomplete factorisation of the rows and columns of `order[0..count)`, in that order. On failure *out is
- * NULL. */
-static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *order, int count, yci_ic **out) {
+/* Prepares an incomplete factorisation of the rows and columns of `order[0..count)`, in that order, with `fill` levels
+ * of fill. On failure *out is NULL. */
+static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *order, int count, int fill, yci_ic **out) {
     yci_ic *f = YCI_NEW(c, yci_ic, 1);
     int *pos = YCI_NEW(c, int, m->n), i, ok = f && pos;
-    size_t blocks = ((size_t)m->ptr[m->n] - (size_t)m->n) / 2;
+    yci_ic_pattern pattern;
     yc_result result = YC_OK;
     *out = NULL;
+    memset(&pattern, 0, sizeof pattern);
     if (f) f->c = c, f->kernels = yci_kernels_best();
     if (ok) {
         f->count = count;
         f->node = YCI_NEW(c, int, count), f->off = YCI_NEW(c, int, count), f->dim = YCI_NEW(c, int, count);
-        f->ptr = YCI_NEW(c, int, (size_t)count + 1), f->col = YCI_NEW(c, int, blocks);
-        f->source = YCI_NEW(c, int, blocks), f->diag = YCI_NEW(c, int, count), f->mark = YCI_NEW(c, int, count);
-        f->at = YCI_NEW(c, size_t, blocks), f->corner = YCI_NEW(c, size_t, (size_t)count + 1);
-        f->down_ptr = YCI_NEW(c, int, (size_t)count + 1), f->down = YCI_NEW(c, int, blocks);
-        f->row = YCI_NEW(c, int, blocks), f->y = YCI_NEW(c, double, (size_t)count *YCI_BLOCK_MAX);
-        ok = f->node && f->off && f->dim && f->ptr && f->col && f->source && f->diag && f->mark && f->at && f->corner &&
-            f->down_ptr && f->down && f->row && f->y;
+        f->ptr = YCI_NEW(c, int, (size_t)count + 1), f->diag = YCI_NEW(c, int, count);
+        f->mark = YCI_NEW(c, int, count), f->corner = YCI_NEW(c, size_t, (size_t)count + 1);
+        f->down_ptr = YCI_NEW(c, int, (size_t)count + 1), f->y = YCI_NEW(c, double, (size_t)count *YCI_BLOCK_MAX);
+        ok = f->node && f->off && f->dim && f->ptr && f->diag && f->mark && f->corner && f->down_ptr && f->y;
     }
     for (i = 0; ok && i < m->n; i++) pos[i] = -1;
     for (i = 0; ok && result == YC_OK && i < count; i++) {
@@ -5959,12 +6015,19 @@ static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *orde
                 c, YC_ERROR_ARGUMENT, "incomplete factorisation: order entry %d is %d, of %d nodes", i, v, m->n);
         else pos[v] = i, f->node[i] = v;
     }
+    if (ok && result == YC_OK) ok = yci_ic_pattern_make(c, &pattern, m, pos, f->node, count, fill);
+    yci_free(c, pos);
     if (ok && result == YC_OK) {
-        yci_ic_layout(f, m, pos);
+        f->col = YCI_NEW(c, int, pattern.count), f->source = YCI_NEW(c, int, pattern.count);
+        f->at = YCI_NEW(c, size_t, pattern.count), f->down = YCI_NEW(c, int, pattern.count);
+        f->row = YCI_NEW(c, int, pattern.count), ok = f->col && f->source && f->at && f->down && f->row;
+    }
+    if (ok && result == YC_OK) {
+        yci_ic_layout(f, m, &pattern);
         f->val = YCI_NEW(c, double, f->corner[count] + YCI_BLOCK_MAX);
         ok = f->val != NULL;
     }
-    yci_free(c, pos);
+    yci_ic_pattern_free(c, &pattern);
     if (ok && result == YC_OK) {
         *out = f;
         return YC_OK;
@@ -5996,11 +6059,12 @@ static int yci_ic_pivot(yci_ic *f, const yci_bsr *m, int i, double shift) {
 
 /* Blocks of row i: L(i,j) = (A(i,j) - sum over k < j of L(i,k) L(j,k)') inverse(G(j)'). */
 static void yci_ic_row(yci_ic *f, const yci_bsr *m, int i) {
+    static const double nothing[YCI_BLOCK_MAX * YCI_BLOCK_MAX] = {0.0};
     int d = f->dim[i], k, p;
     for (k = f->ptr[i]; k < f->ptr[i + 1]; k++) {
         int j = f->col[k];
         double *l = f->val + f->at[k];
-        const double *rest = m->val + m->at[f->source[k]];
+        const double *rest = f->source[k] < 0 ? nothing : m->val + m->at[f->source[k]];
         yci_block_terms t;
         for (p = f->ptr[j], t.count = 0; p < f->ptr[j + 1]; p++) {
             int other = f->mark[f->col[p]];
@@ -6028,7 +6092,7 @@ static int yci_ic_attempt(yci_ic *f, const yci_bsr *m, double shift) {
 /* Factors m, which has the pattern given at creation. f->shift and f->diagonal_only tell what it took. Fails only when
  * a diagonal block itself is not positive definite; then there is no factor. */
 static yc_result yci_ic_factor(yci_ic *f, const yci_bsr *m) {
-    static const double shifts[YCI_IC_RAISES + 1] = {0.0, 1e-3, 3e-3, 1e-2, 3e-2, 1e-1, 3e-1, 1.0};
+    static const double shifts[YCI_IC_RAISES + 1] = {0.0, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1.0};
     int raise, bad;
     f->diagonal_only = 0;
     for (raise = 0; raise <= YCI_IC_RAISES; raise++) {
@@ -13207,7 +13271,8 @@ typedef struct yci_system {
     yci_mass_p mass_p;
     yci_mass_dense mass_dense;
     double *work, *coarse_x, *coarse_work;
-    double *cg; /* four vectors */
+    double *cg;     /* four vectors */
+    int indefinite; /* whether conjugate gradients have found the matrix not positive definite */
 } yci_system;
 
 static int yci_system_size(const yci_system *s) { return s->a.off[s->a.n]; }
@@ -13443,10 +13508,12 @@ static double yci_vector_largest(const double *a, int n) {
 }
 
 /* MPCG, until r'z has fallen by the square of `tolerance` or the preconditioner would move nothing by more than
- * `enough`. b in A's layout is spent; d receives the increment in A's layout (v, p). Returns the iterations. */
+ * `enough`. b in A's layout is spent; d, which may be b, receives the increment in A's layout (v, p); where the matrix
+ * shows a direction of no curvature, as far as it came until then. Returns the iterations. */
 static int yci_system_mpcg(yci_system *s, double *b, double *d, double tolerance, double enough, int limit) {
     int i, iteration, size = yci_system_size(s);
     double *q = s->cg, *z = q + size, *dir = z + size, *y = dir + size, *r = b, rz, start = 0.0;
+    s->indefinite = 0;
     yci_system_reduce(s, r);
     memset(q, 0, (size_t)size * sizeof *q);
     if (s->solver == YC_SOLVER_TWO_LEVEL) {
@@ -13464,7 +13531,8 @@ static int yci_system_mpcg(yci_system *s, double *b, double *d, double tolerance
         double step, next, curvature;
         yci_system_multiply(s, dir, y);
         curvature = yci_vector_dot(dir, y, size);
-        if (!(curvature > 0.0)) break;
+        s->indefinite = !(curvature > 0.0);
+        if (s->indefinite) break;
         step = rz / curvature;
         for (i = 0; i < size; i++) q[i] += step * dir[i], r[i] -= step * y[i];
         yci_system_precondition(s, r, z, y);
@@ -13525,7 +13593,7 @@ typedef struct yci_system_input {
     const int (*triangle)[3];                 /* [n], for yarn nodes the vertices that carry them, or -1 first */
     const double (*beta)[3];                  /* [n] */
     const int *order;                         /* yarn nodes, as the incomplete factor has them */
-    int order_count;
+    int order_count, fill;                    /* fill: levels of it there */
     yc_solver solver;
 } yci_system_input;
 
@@ -13636,7 +13704,7 @@ static yc_result yci_system_parts(yci_system *s, const yci_system_input *in) {
     if (result == YC_OK && s->solver == YC_SOLVER_MASS_DENSE)
         result = yci_mass_dense_create(c, &s->mixed, &s->mass_dense);
     if (result != YC_OK || s->solver != YC_SOLVER_TWO_LEVEL) return result;
-    result = yci_ic_create(c, &s->a, in->order, in->order_count, &s->ic);
+    result = yci_ic_create(c, &s->a, in->order, in->order_count, in->fill, &s->ic);
     return result == YC_OK ? yci_system_coarse_create(s, in) : result;
 }
 
@@ -13943,10 +14011,16 @@ typedef struct yci_local {
 
 #define YCI_CHUNK 256         /* elements evaluated at once before their serial, ordered addition */
 #define YCI_DIRECT_LIMIT 2000 /* full yarn nodes that are solved for directly */
+#define YCI_DIRECT_KNIT 20000 /* and with a knit among them, whose incomplete factor costs more: see yci_build_solver */
+#define YCI_KNIT_FILL 2       /* levels of fill in its incomplete factor */
 #define YCI_HARDNESS 1e-3     /* of the floor under lengths, times EA */
 #define YCI_NET_NODES 9       /* yarn nodes per cell of a coarse net: 25 take twice the iterations at 5 ms */
+#define YCI_NET_KNIT 36       /* in a knit, about three loops by three */
+#define YCI_LOOP 8            /* visits of a plain loop of a knit */
 #define YCI_NEAR 10.0         /* tolerances: a shorter Newton step may be the last but for one that need not be taken */
 #define YCI_CONVEX (1.0 / 64.0) /* least share of semidefinite Hessians where the exact ones have no factor */
+#define YCI_CONVEX_SHIFT 1e-4   /* largest shift of an incomplete factor with a smaller share than all of them */
+#define YCI_BENT 0.1            /* to this share what bends a line search is solved for */
 #define YCI_PATIENCE 3          /* Newton iterations without a lower E before line searches; see yci_newton */
 #define YCI_PATIENCE_MOST 12    /* at most so many before the share of semidefinite Hessians falls again */
 #define YCI_SHIFT 1e-6          /* of the diagonal: most by which sliding is stiffened that would cost nothing */
@@ -15748,10 +15822,55 @@ static size_t yci_build_couplings(const yc_scene *s, const yci_model *m, int (*p
     return at;
 }
 
-/* A direct solve of many yarn nodes costs more than the two levels, in time and in memory. */
+/* A direct solve of many yarn nodes costs more than the two levels, in time and in memory. Knits of 26,000 nodes take
+ * as long by both, and 0.54 GB instead of 0.24. */
 static yc_solver yci_build_solver(const yc_scene *s, const yci_model *m) {
     if (s->desc.solver != YC_SOLVER_AUTO) return s->desc.solver;
-    return m->hybrid || m->full > YCI_DIRECT_LIMIT ? YC_SOLVER_TWO_LEVEL : YC_SOLVER_DIRECT;
+    return m->hybrid || m->full > (m->knitted ? YCI_DIRECT_KNIT : YCI_DIRECT_LIMIT) ? YC_SOLVER_TWO_LEVEL
+                                                                                    : YC_SOLVER_DIRECT;
+}
+
+/* A node of a knit, and how far it lies along the rows. */
+typedef struct yci_sweep {
+    double at;
+    int node;
+} yci_sweep;
+
+static int yci_sweep_compare(const void *a, const void *b) {
+    const yci_sweep *x = (const yci_sweep *)a, *y = (const yci_sweep *)b;
+    return x->at != y->at ? (x->at > y->at) - (x->at < y->at) : (x->node > y->node) - (x->node < y->node);
+}
+
+/* The direction of a knit's rows in its layout: the main one in which yarn gets on within a loop. */
+static void yci_knit_rows(const yc_yarns *y, double *rows) {
+    double xx = 0.0, xy = 0.0, yy = 0.0, d[3], angle;
+    int k, v;
+    for (k = 0; k < y->yarn_count; k++)
+        for (v = y->yarn_first[k]; v + YCI_LOOP < y->yarn_first[k + 1]; v++) {
+            yci_sub(d, y->layout[y->visit_node[v + YCI_LOOP]], y->layout[y->visit_node[v]]);
+            xx += d[0] * d[0], xy += d[0] * d[1], yy += d[1] * d[1];
+        }
+    angle = 0.5 * atan2(2.0 * xy, xx - yy);
+    rows[0] = cos(angle), rows[1] = sin(angle);
+}
+
+/* The incomplete factor has the nodes of a knit wale by wale, whatever the order of its yarn: course by course, between
+ * which yarn goes up and down, it needs shifts and takes four to ten times the iterations. */
+static void yci_build_sweep(const yc_scene *s, const yci_model *m, yci_sweep *sweep, int *order, int count) {
+    int i, k = 0, begin;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yci_cloth *cloth = s->cloth + i;
+        const yc_yarns *y = yci_cloth_yarns(cloth);
+        double rows[2];
+        if (y && cloth->knit) yci_knit_rows(y, rows);
+        for (begin = k; y && k < count && m->node_of[order[k]] < cloth->node + y->node_count; k++) {
+            const double *at = y->layout[m->node_of[order[k]] - cloth->node];
+            sweep[k].at = cloth->knit ? rows[0] * at[0] + rows[1] * at[1] : 0.0;
+            sweep[k].node = order[k];
+        }
+        qsort(sweep + begin, (size_t)(k - begin), sizeof *sweep, yci_sweep_compare);
+    }
+    for (i = 0; i < k; i++) order[i] = sweep[i].node;
 }
 
 /* The coarse space of a cloth without a mesh: a grid over its layout, each cell of about YCI_NET_NODES nodes split into
@@ -15770,7 +15889,8 @@ static int yci_net_make(const yc_yarns *y, yci_net *net) {
             net->low[k] = yci_min(net->low[k], y->layout[i][k]);
             high[k] = yci_max(high[k], y->layout[i][k]);
         }
-    cell = sqrt(YCI_NET_NODES * (high[0] - net->low[0]) * (high[1] - net->low[1]) / y->node_count);
+    cell = sqrt((y->contact_count ? YCI_NET_KNIT : YCI_NET_NODES) * (high[0] - net->low[0]) * (high[1] - net->low[1]) /
+        y->node_count);
     for (k = 0; k < 2; k++) {
         double width = high[k] - net->low[k];
         net->cells[k] = cell > 0.0 ? (int)yci_clamp(floor(width / cell + 0.5), 1.0, (double)y->node_count) : 1;
@@ -15796,6 +15916,7 @@ static void yci_net_place(const yci_net *net, const double *point, int first, in
 typedef struct yci_system_scratch {
     int *dim, *vertex_node, *order, *triangle;
     double *beta;
+    yci_sweep *sweep; /* NULL: no knit */
     unsigned char *state, *is_yarn, *is_hybrid;
     int (*pairs)[2];
 } yci_system_scratch;
@@ -15826,6 +15947,7 @@ static void yci_build_input(yc_scene *s, yci_model *m, yci_system_scratch *w, yc
     for (i = s->vertices; i < vertices; i++) w->vertex_node[i] = -1;
     for (i = 0; i < n; i++)
         if (w->is_yarn[i]) w->order[in->order_count++] = i;
+    if (w->sweep) yci_build_sweep(s, m, w->sweep, w->order, in->order_count), in->fill = YCI_KNIT_FILL;
     in->dim = w->dim, in->pair = (const int(*)[2])w->pairs, in->vertex_count = vertices,
     in->vertex_node = w->vertex_node;
     in->vertex_state = w->state, in->is_yarn = w->is_yarn, in->is_hybrid = w->is_hybrid;
@@ -15858,7 +15980,8 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
         w.triangle = YCI_NEW(c, int, 3 * (size_t)in.n), w.beta = YCI_NEW(c, double, 3 * (size_t)in.n),
         w.order = YCI_NEW(c, int, in.n);
         w.is_yarn = YCI_NEW(c, unsigned char, in.n), w.is_hybrid = YCI_NEW(c, unsigned char, in.n);
-        if (w.pairs && w.triangle && w.beta && w.order && w.is_yarn && w.is_hybrid) {
+        if (m->knitted) w.sweep = YCI_NEW(c, yci_sweep, in.n);
+        if (w.pairs && w.triangle && w.beta && w.order && w.is_yarn && w.is_hybrid && (w.sweep || !m->knitted)) {
             yci_build_couplings(s, m, w.pairs);
             yci_build_input(s, m, &w, &in);
             if (in.solver == YC_SOLVER_DIRECT && m->hybrid)
@@ -15869,7 +15992,7 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
         }
     }
     yci_free(c, w.dim), yci_free(c, w.vertex_node), yci_free(c, w.state), yci_free(c, w.pairs), yci_free(c, w.triangle);
-    yci_free(c, w.beta), yci_free(c, w.order), yci_free(c, w.is_yarn), yci_free(c, w.is_hybrid);
+    yci_free(c, w.beta), yci_free(c, w.order), yci_free(c, w.sweep), yci_free(c, w.is_yarn), yci_free(c, w.is_hybrid);
     if (result == YC_ERROR_MEMORY) return yci_out_of_memory(c, "the linear system");
     if (result != YC_OK) return result;
     m->has_system = 1, m->hybrid_vertices = m->hybrid ? m->system.mixed.t_count : 0;
@@ -16712,30 +16835,49 @@ static int yci_shift_more(yci_model *m) {
     return 1;
 }
 
-/* Solves for the direction; the matrix and the gradient are those of the present state. Only the two levels come close
- * enough to the inverse to tell how far it would move what is left. */
+/* Whether what is solved for is plain A d = b, and about A's inverse known. */
+static int yci_solves_plain(const yci_model *m) {
+    return m->solver == YC_SOLVER_DIRECT || (m->solver == YC_SOLVER_TWO_LEVEL && !m->hybrid);
+}
+
+/* d = A^-1 d for the factors at hand, to a share of it. Only the two levels come close enough to the inverse to tell
+ * how far it would move what is left. */
+static void yci_solve(yc_scene *s, double *d, double share, double tolerance, yc_stats *stats) {
+    yci_model *m = s->model;
+    if (m->solver == YC_SOLVER_DIRECT) yci_system_direct(&m->system, d);
+    else
+        stats->linear += yci_system_mpcg(
+            &m->system, d, d, share, m->solver == YC_SOLVER_TWO_LEVEL ? 1e-2 * tolerance : 0.0, s->desc.linear_limit);
+}
+
+/* Solves for the direction. While elements keep a share only of what makes them semidefinite, a matrix that conjugate
+ * gradients find indefinite, or that only a shift makes one with an incomplete factor, counts as one without. */
+static yc_result yci_direction_try(yc_scene *s, double tolerance, yc_stats *stats) {
+    yci_model *m = s->model;
+    int i, size = yci_system_size(&m->system);
+    yc_result result;
+    yci_stiffen(s, m->shift);
+    result = yci_system_factor(&m->system);
+    if (result != YC_OK) return result;
+    if (m->convex < 1.0 && m->system.ic && m->system.ic->shift > YCI_CONVEX_SHIFT) return YC_ERROR_NOT_SPD;
+    for (i = 0; i < size; i++) m->direction[i] = -m->gradient[i];
+    yci_solve(s, m->direction, s->desc.linear_tolerance, tolerance, stats);
+    return m->convex < 1.0 && m->system.indefinite ? YC_ERROR_NOT_SPD : YC_OK;
+}
+
+/* The direction of the present state, whose matrix and gradient are at hand. */
 static yc_result yci_direction(yc_scene *s, double tolerance, yc_stats *stats) {
     yci_model *m = s->model;
     int i, size = yci_system_size(&m->system);
     double slope = 0.0, scale;
-    yc_result result;
-    yci_stiffen(s, m->shift);
-    result = yci_system_factor(&m->system);
+    yc_result result = yci_direction_try(s, tolerance, stats);
     while (result == YC_ERROR_NOT_SPD) {
         if (m->convex < 1.0) m->convex = yci_min(1.0, yci_max(4.0 * m->convex, YCI_CONVEX));
         else if (!yci_shift_more(m)) break;
         yci_potential(s, YCI_HESSIAN, &scale);
-        yci_stiffen(s, m->shift);
-        result = yci_system_factor(&m->system);
+        result = yci_direction_try(s, tolerance, stats);
     }
     if (result != YC_OK) return result;
-    for (i = 0; i < size; i++) m->right[i] = -m->gradient[i];
-    if (m->solver == YC_SOLVER_DIRECT) {
-        memcpy(m->direction, m->right, (size_t)size * sizeof(double));
-        yci_system_direct(&m->system, m->direction);
-    } else
-        stats->linear += yci_system_mpcg(&m->system, m->right, m->direction, s->desc.linear_tolerance,
-            m->solver == YC_SOLVER_TWO_LEVEL ? 1e-2 * tolerance : 0.0, s->desc.linear_limit);
     for (i = 0; i < size; i++) slope += m->gradient[i] * m->direction[i];
     m->slope = slope;
     return slope <= 0.0 ? YC_OK : YCI_FAIL(&s->c, YC_ERROR_DIVERGED, "no descent direction: slope %g", slope);
@@ -16850,7 +16992,7 @@ static void yci_excess(yc_scene *s) {
 
 /* E after a share of the direction; where `bent`, and after what takes the excess of tension away that is then there,
  * by the factor at hand. */
-static double yci_trial(yc_scene *s, double share, int bent) {
+static double yci_trial(yc_scene *s, double share, int bent, double tolerance, yc_stats *stats) {
     yci_model *m = s->model;
     int i, size = yci_system_size(&m->system);
     double unused;
@@ -16860,7 +17002,7 @@ static double yci_trial(yc_scene *s, double share, int bent) {
         for (i = 0; i < m->segment_count; i++)
             m->segment[i].excess -= yci_segment_tension(s, m->segment + i, m->direction, share);
         yci_excess(s);
-        yci_system_direct(&m->system, m->right);
+        yci_solve(s, m->right, YCI_BENT, tolerance, stats);
         for (i = 0; i < size; i++) m->dof[i] += m->right[i];
     } else
         for (i = 0; i < size; i++) m->dof[i] = m->start[i] + share * m->direction[i];
@@ -16871,15 +17013,17 @@ static double yci_trial(yc_scene *s, double share, int bent) {
 /* Backtracks along the direction, and along the bent way beside it, until E falls enough. A fall too small for E to
  * resolve is taken on trust: there the quadratic model is exact to rounding. Tension and friction are then those of the
  * linear model by the share that was taken of it. */
-static yc_result yci_line_search(yc_scene *s, double energy, double scale, double longest) {
+static yc_result yci_line_search(
+    yc_scene *s, double energy, double scale, double longest, double tolerance, yc_stats *stats) {
     yci_model *m = s->model;
-    int tries, bent, fell = 0, ways = m->solver == YC_SOLVER_DIRECT ? 2 : 1;
+    int tries, bent, fell = 0, ways = yci_solves_plain(m) ? 2 : 1;
     double t = 2.0 * yci_step_limit(s, longest);
     memcpy(m->start, m->dof, (size_t)yci_system_size(&m->system) * sizeof(double));
     for (tries = 0; tries < 40 && !fell; tries++) {
         t *= 0.5;
         for (bent = 0; bent < ways && !fell; bent++)
-            fell = yci_trial(s, t, bent) <= energy + 1e-4 * t * m->slope || -t * m->slope < 1e-12 * scale;
+            fell = yci_trial(s, t, bent, tolerance, stats) <= energy + 1e-4 * t * m->slope ||
+                -t * m->slope < 1e-12 * scale;
     }
     if (!fell)
         return YCI_FAIL(&s->c, YC_ERROR_DIVERGED,
@@ -17019,11 +17163,11 @@ static yc_result yci_newton(yc_scene *s, yc_stats *stats) {
         slow = stats->correction > 0.5 * last ? slow + 1 : 0, last = stats->correction;
         if (m->convex > convex) patience = patience < YCI_PATIENCE_MOST ? patience + patience / 2 : patience, slow = 0;
         if (slow >= patience && -m->slope < 1e-15 * scale) yci_shift_more(m), slow = 0;
-        else if (slow >= patience && m->solver == YC_SOLVER_DIRECT)
+        else if (slow >= patience && yci_solves_plain(m))
             m->convex = m->convex > YCI_CONVEX / 16.0 ? 0.25 * m->convex : 0.0, slow = 0;
         lost = !m->searching && yci_length_limit(s) < 1.0;
         if (lost) continue;
-        if (m->searching) result = yci_line_search(s, energy, scale, stats->correction);
+        if (m->searching) result = yci_line_search(s, energy, scale, stats->correction, tolerance, stats);
         else yci_full_step(s, stats->correction);
         if (result != YC_OK) return result;
         if (tense && m->eased > tolerance && iteration < YCI_PATIENCE) continue;

@@ -851,7 +851,7 @@ TEST(sparse_incomplete) {
     for (i = 0; i < N; i++) dim[i] = 3, order[i] = i;
     system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
     grid_values(&s.m);
-    CHECK(yci_ic_create(&s.c, &s.m, order, N, &f) == YC_OK && yci_ic_factor(f, &s.m) == YC_OK && f->shift == 0.0);
+    CHECK(yci_ic_create(&s.c, &s.m, order, N, 0, &f) == YC_OK && yci_ic_factor(f, &s.m) == YC_OK && f->shift == 0.0);
     plain = iterations(&s.c, &s.m, NULL), better = iterations(&s.c, &s.m, f);
     CHECK(better * 2 < plain && better > 1);
     /* Stronger coupling makes the matrix indefinite: the diagonal is raised, or everything else given up. */
@@ -867,7 +867,7 @@ TEST(sparse_incomplete) {
     s.m.val[s.m.at[s.m.diag[9]]] = -1.0;
     CHECK(yci_ic_factor(f, &s.m) == YC_ERROR_NOT_SPD && strstr(s.c.message, "node 9"));
     yci_ic_destroy(f);
-    CHECK(yci_ic_create(&s.c, &s.m, dim, N, &f) == YC_ERROR_ARGUMENT && f == NULL);
+    CHECK(yci_ic_create(&s.c, &s.m, dim, N, 0, &f) == YC_ERROR_ARGUMENT && f == NULL);
     yci_ic_destroy(NULL);
     system_close(&s);
 }
@@ -893,7 +893,7 @@ TEST(sparse_incomplete_exact) {
         for (i = 0; i < size; i++) x[i] = i < first ? 0.0 : test_random(&seed, -1.0, 1.0);
         yci_bsr_multiply(&s.c, &s.m, x, y);
         for (i = 0; i < first; i++) y[i] = 7.0;
-        CHECK_RESULT(yci_ic_create(&s.c, &s.m, order, part ? N - 10 : N, &f), YC_OK);
+        CHECK_RESULT(yci_ic_create(&s.c, &s.m, order, part ? N - 10 : N, 0, &f), YC_OK);
         f->kernels = yci_kernels_of(run / 2);
         CHECK_RESULT(yci_ic_factor(f, &s.m), YC_OK);
         yci_ic_solve(f, y);
@@ -999,7 +999,7 @@ static int memory_round(int granted) {
     CHECK_RESULT(yci_context_init(&c, &host), YC_OK);
     result[0] = yci_bsr_create(&c, 4, dim, pair, 5, &m);
     result[1] = m.val ? yci_ldl_analyze_bsr(&c, &m, NULL, 0, &ldl) : YC_ERROR_MEMORY;
-    result[2] = m.val ? yci_ic_create(&c, &m, order, 3, &ic) : YC_ERROR_MEMORY;
+    result[2] = m.val ? yci_ic_create(&c, &m, order, 3, 0, &ic) : YC_ERROR_MEMORY;
     result[3] = yc_lu_create(&host, 5, &lu);
     result[4] = yc_chol_analyze(&host, 3, ptr, col, NULL, &chol);
     for (i = 0; i < 5; i++) {

@@ -1,4 +1,5 @@
 /* The solvers against each other, in the papers' scenes. */
+#include "scenes/knits.h"
 #include "scenes/scenes.h"
 #include "test.h"
 #include <math.h>
@@ -64,6 +65,50 @@ TEST(scene_solver_two_level_when_stiff) {
     CHECK(per_newton(&two) <= per_newton(&mass));
     CHECK_NEAR_ALL(&a[0][0], &b[0][0], 3 * count, 1e-7);
     free(a), free(b);
+}
+
+/* Steps of a knit that hangs; the nodes afterwards. */
+static double (*curtain_steps(yc_solver solver, int stitches, double dt, int steps, yc_stats *stats, int *count))[3] {
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_knit_desc knit = yc_knit_desc_default();
+    char why[YC_MESSAGE_SIZE] = "";
+    double(*x)[3] = NULL;
+    scene_curtain *curtain;
+    settings.solver = solver, settings.dt_max = dt, settings.tolerance = 1e-7;
+    knit.stitches = knit.rows = stitches;
+    curtain = scene_curtain_new(NULL, &settings, scene_stockinette, &knit, why);
+    if (!CHECK(curtain != NULL)) return NULL;
+    while (steps-- > 0) CHECK_RESULT(yc_scene_step(curtain->scene, dt, stats), YC_OK);
+    *count = curtain->yarns.node_count;
+    x = (double(*)[3])malloc((size_t)*count * sizeof *x);
+    CHECK_RESULT(yc_scene_positions(curtain->scene, 0, YC_NODE, x), YC_OK);
+    scene_curtain_free(curtain);
+    return x;
+}
+
+/* A step of 1 ms from where the yarns' wrapping is out of balance, which takes line searches: by incomplete factors in
+ * about as many iterations of Newton's method as by direct ones, and few of conjugate gradients each. Without fill,
+ * course by course or with shifts from 1e-3 up these are 60 and more. */
+TEST(scene_solver_knit_two_levels_are_direct) {
+    yc_stats direct, two;
+    double(*a)[3], (*b)[3];
+    int count = 0;
+    a = curtain_steps(YC_SOLVER_DIRECT, 12, 1e-3, 3, &direct, &count);
+    b = curtain_steps(YC_SOLVER_TWO_LEVEL, 12, 1e-3, 3, &two, &count);
+    CHECK(two.solver == YC_SOLVER_TWO_LEVEL && two.substeps == 1);
+    CHECK(two.newton <= 2 * direct.newton && two.linear <= 20 * two.newton);
+    CHECK_NEAR_ALL(&a[0][0], &b[0][0], 3 * count, 1e-6);
+    free(a), free(b);
+}
+
+/* A knit above the limit of direct solves. */
+TEST(scene_solver_knit_large) {
+    yc_stats stats;
+    int count = 0;
+    double(*x)[3] = curtain_steps(YC_SOLVER_AUTO, 71, 1e-4, 1, &stats, &count);
+    CHECK(count > 20000 && stats.solver == YC_SOLVER_TWO_LEVEL && stats.substeps == 1 && stats.rejected == 0);
+    CHECK(stats.correction <= 1e-7 && stats.newton <= 12 && stats.linear <= 12 * stats.newton);
+    free(x);
 }
 
 /* MIX Fig. 3: an enriched patch moves like full yarns whose u is held. */

@@ -225,6 +225,37 @@ static yc_result hang(scene_unravel *u, const yc_host *host, char *message) {
     return result;
 }
 
+void scene_curtain_free(scene_curtain *c) {
+    if (!c) return;
+    yc_scene_destroy(c->scene), yc_yarns_destroy(&c->yarns), yc_chart_destroy(&c->chart);
+    free(c);
+}
+
+scene_curtain *scene_curtain_new(
+    const yc_host *host, const yc_scene_desc *settings, const char *rows, const yc_knit_desc *desc, char *message) {
+    scene_curtain *c = (scene_curtain *)calloc(1, sizeof *c);
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_knit_desc d = *desc;
+    double high = -HUGE_VAL;
+    int i;
+    yc_result result;
+    if (!c) return NULL;
+    result = yc_chart_read(NULL, rows, strlen(rows), NULL, &c->chart, message);
+    d.chart = &c->chart, cloth.yarns = &c->yarns;
+    if (result == YC_OK) result = yc_knit(NULL, &d, &c->yarns, message);
+    if (result == YC_OK) set_turns(&c->yarns), result = yc_scene_create(host, settings, &c->scene, message);
+    if (result == YC_OK) {
+        result = yc_scene_add_cloth(c->scene, &cloth, NULL);
+        for (i = 0; i < c->yarns.node_count; i++) high = fmax(high, c->yarns.layout[i][1]);
+        for (i = 0; i < c->yarns.node_count && result == YC_OK; i++)
+            if (c->yarns.layout[i][1] > high - 0.5 / d.courses) result = yc_scene_pin(c->scene, 0, YC_NODE, i, NULL);
+        if (result != YC_OK && message) snprintf(message, YC_MESSAGE_SIZE, "%s", yc_scene_message(c->scene));
+    }
+    if (result == YC_OK) return c;
+    scene_curtain_free(c);
+    return NULL;
+}
+
 scene_unravel *scene_unravel_new(const yc_host *host, const char *rows, int stitches, int row_count, char *message) {
     scene_unravel *u = (scene_unravel *)calloc(1, sizeof *u);
     const yc_yarns *y = &u->yarns;

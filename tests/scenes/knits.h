@@ -51,6 +51,18 @@ typedef struct scene_knit_shape {
 } scene_knit_shape;
 scene_knit_shape scene_knit_look(const scene_knit *knit);
 
+/* A piece that hangs by its upper edge, of yarn that turns at rest as it is laid: what can be had of any size without
+ * settling it first. `desc` is without its chart, whose text is `rows`. NULL when memory is out or the library refuses;
+ * message is NULL or has YC_MESSAGE_SIZE bytes. */
+typedef struct scene_curtain {
+    yc_chart chart;
+    yc_yarns yarns;
+    yc_scene *scene;
+} scene_curtain;
+scene_curtain *scene_curtain_new(
+    const yc_host *host, const yc_scene_desc *settings, const char *rows, const yc_knit_desc *desc, char *message);
+void scene_curtain_free(scene_curtain *curtain);
+
 /* A piece that was not bound off, in the xy plane without gravity, held where the legs of its first loops cross. At
  * rest its yarn turns as it is laid. Its end is drawn off sideways. */
 typedef struct scene_unravel {
