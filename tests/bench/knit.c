@@ -2,7 +2,8 @@
  *
  *   bench-knit [--quick] [curl | rib | munden | lace | stretch | cost ...]     only these parts
  *
- * Swatches are cast on, relaxed flat and left to themselves as tests/scenes/knits.h says; shares are of what lies flat.
+ * Swatches are cast on in the rest shape of their chart's repeat and left to themselves as tests/scenes/knits.h says;
+ * shares are of what lies flat.
  *   curl     stockinette turns by more than 30 degrees towards the purl side at its sides and towards the knit side at
  *            its ends, while the middle half turns by less than 30; garter by less than 15 everywhere.
  *            Four loops of the middle are held, and both have come to rest, by r/20 in 10 periods of a stitch: held
@@ -324,18 +325,22 @@ static void run_garment(const char *name, int stitches, int rows, double frame, 
     char why[YC_MESSAGE_SIZE] = "";
     yc_scene *scene = NULL;
     yc_stats stats;
+    yc_knit_rest rest;
     yc_chart chart;
     yc_yarns y;
     double begin = bench_clock(), end = 0.0, high = 0.0, seconds = NAN, terms[YC_TERM_COUNT];
     int i;
     yc_result result;
-    memset(&chart, 0, sizeof chart), memset(&y, 0, sizeof y), memset(&stats, 0, sizeof stats);
+    memset(&rest, 0, sizeof rest), memset(&chart, 0, sizeof chart), memset(&y, 0, sizeof y),
+        memset(&stats, 0, sizeof stats);
     memset(&host, 0, sizeof host), host.progress = too_long, host.user = &end;
     if (yarn >= 0) yc_knit_fabric((yc_fabric_name)yarn, &d);
     d.chart = &chart, d.stitches = stitches, d.rows = rows;
     settings.gravity[1] = -9.81, settings.gravity[0] = settings.gravity[2] = 0.0;
     settings.newton_limit = 10; /* of a sub-step; one that needs more is halved, and time is looked at */
     result = yc_chart_read(NULL, scene_garter, strlen(scene_garter), NULL, &chart, why);
+    if (result == YC_OK) result = yc_knit_relax(NULL, &d, &rest, why);
+    d.rest = &rest;
     if (result == YC_OK) result = yc_knit(NULL, &d, &y, why);
     cloth.yarns = &y;
     say("%-14s%d loops, %d nodes, %d visits, laid in %.1f s\n", name, stitches * rows, y.node_count, y.visit_count,
@@ -345,7 +350,7 @@ static void run_garment(const char *name, int stitches, int rows, double frame, 
     if (result == YC_OK) result = yc_scene_add_cloth(scene, &cloth, NULL);
     for (i = 0; i < y.node_count; i++) high = fmax(high, y.layout[i][1]);
     for (i = 0; i < y.node_count && result == YC_OK; i++)
-        if (y.layout[i][1] > high - 0.5 / d.courses) result = yc_scene_pin(scene, 0, YC_NODE, i, NULL);
+        if (y.layout[i][1] > high - 0.5 / rest.courses) result = yc_scene_pin(scene, 0, YC_NODE, i, NULL);
     if (result == YC_OK) result = yc_scene_energy(scene, terms); /* which builds it */
     say("%14sbuilt in %.1f s\n", "", bench_clock() - begin);
     if (result == YC_OK && patience > 0.0) {
@@ -361,6 +366,7 @@ static void run_garment(const char *name, int stitches, int rows, double frame, 
     if (stitches * rows > 300000 && patience > 0.0)
         range_goal(name, "memory", stats.bytes_peak ? 1e-9 * (double)stats.bytes_peak : NAN, 0.0, 4.0, "GB");
     yc_scene_destroy(scene), yc_yarns_destroy(&y), yc_chart_destroy(&chart);
+    yc_knit_rest_destroy(&rest);
 }
 
 static void run_cost(void) {

@@ -28,6 +28,7 @@ static const double pi = 3.14159265358979323846;
 void scene_knit_free(scene_knit *k) {
     if (!k) return;
     yc_scene_destroy(k->scene), yc_yarns_destroy(&k->yarns), yc_chart_destroy(&k->chart);
+    yc_knit_rest_destroy(&k->rest);
     free(k->start), free(k->x), free(k);
 }
 
@@ -85,8 +86,9 @@ static scene_knit *make(
     if (yarn) k->desc.yarn = *yarn;
     result = yc_chart_read(NULL, rows, strlen(rows), NULL, &k->chart, message);
     k->desc.chart = &k->chart;
+    if (result == YC_OK) result = yc_knit_relax(NULL, &k->desc, &k->rest, message);
+    k->desc.rest = &k->rest;
     if (result == YC_OK) result = yc_knit(NULL, &k->desc, &k->yarns, message);
-    if (result == YC_OK) result = yc_knit_relax(NULL, &k->yarns, &k->rest, message);
     if (result == YC_OK) result = begin(k, message);
     if (result == YC_OK) return k;
     scene_knit_free(k);
