@@ -18721,6 +18721,7 @@ YC_API yc_result yc_scene_stress(yc_scene *s, int cloth, double *out) {
 #define YCI_REST_LOOPS 4096 /* of a repeat */
 #define YCI_REST_STEPS 500  /* of Newton's method */
 #define YCI_REST_CLOSE 1e-6 /* what forces are left, over that which bends a segment of yarn */
+#define YCI_REST_STIFF 1e4  /* times that force, at most, is what yarn resists stretch with: it hardly tells any more */
 
 /* What begins at a visit of the repeat: two segments of the yarn and the turn between them. */
 typedef struct {
@@ -18750,7 +18751,8 @@ typedef struct {
     int *ptr, *col;                 /* of the lower triangle of the second derivatives */
     double *values;                 /* and room for as many */
     yc_chol *chol;
-    double segment; /* m, mean length */
+    yc_yarn_material yarn; /* as it is reckoned with */
+    double segment, force; /* m, mean length; N, what bends one */
     int newton;
 } yci_rest;
 
@@ -18902,8 +18904,9 @@ static void yci_rest_state(const yci_rest *w, const yci_rest_part *part, const d
     }
 }
 
-/* Starts from the sample, at the length of yarn that is asked for. Returns the mean length of a segment. */
-static double yci_rest_begin(yci_rest *w) {
+/* Starts from the sample, at the length of yarn that is asked for. The shape is that of a yarn which bends easily and
+ * hardly stretches: how hardly, or that it does not resist bending at all, shall not make it hard to find. */
+static void yci_rest_begin(yci_rest *w) {
     const yci_knitter *k = &w->k;
     double far[2] = {0.0, 0.0}, count[2] = {0.0, 0.0}, q[9], u[3], d[3], sum = 0.0, scale, loops = 0.0;
     int i, n, f, image[2], place;
@@ -18934,8 +18937,13 @@ static double yci_rest_begin(yci_rest *w) {
         w->x[2 * w->node_count + part->visit[0]] = w->row_length[part->row];
         w->row_length[part->row] += part->length;
     }
-    w->loop_length = scale * sum / loops;
-    return scale * sum / w->visit_count;
+    w->loop_length = scale * sum / loops, w->segment = scale * sum / w->visit_count;
+    w->yarn = k->desc->yarn;
+    w->force = yci_max(w->yarn.bending / (w->segment * w->segment), 1e-9 * w->yarn.stretch);
+    w->yarn.bending = w->force * w->segment * w->segment;
+    w->yarn.stretch = yci_min(w->yarn.stretch, YCI_REST_STIFF * w->force);
+    w->yarn.stitch = yci_min(w->yarn.stitch, YCI_REST_STIFF * w->force);
+    w->yarn.contact = yci_min(w->yarn.contact, YCI_REST_STIFF * w->force);
 }
 
 /* Where a second derivative is; rows of the width and the height are full. */
@@ -18989,7 +18997,7 @@ static void yci_rest_gather(
 static double yci_rest_energy(yci_rest *w, const double *x, double *values) {
     static const int slide[2] = {6, 7}, stretch[8] = {0, 1, -1, 2, 3, -1, 6, 7},
                      bend[11] = {0, 1, -1, 2, 3, -1, 4, 5, -1, 6, 8};
-    const yc_yarn_material *m = &w->k.desc->yarn;
+    const yc_yarn_material *m = &w->yarn;
     double energy = 0.0, q[12], u[3], g[11], h[121], sum[9], second[9][9];
     int i;
     if (values) {
@@ -19061,17 +19069,14 @@ static yc_result yci_rest_pattern(yci_rest *w) {
  * factor, or the energy does not fall, and sinks after every step. Whole rows of yarn may slide, and all of it may
  * move, without a force: so there is always some. */
 static yc_result yci_rest_solve(yci_rest *w) {
-    const yc_yarn_material *m = &w->k.desc->yarn;
-    double force = yci_max(m->bending / (w->segment * w->segment), 1e-9 * m->stretch),
-           *shifted = w->values + w->ptr[w->n];
-    double least = yci_max(1e-7 * force, 1e-12 * m->stretch) / w->segment, shift = 1e-2 * force / w->segment, energy,
-           next;
+    double *shifted = w->values + w->ptr[w->n], least = yci_max(1e-7 * w->force, 1e-12 * w->yarn.stretch) / w->segment;
+    double shift = 1e-2 * w->force / w->segment, energy, next;
     int i, tries;
     for (w->newton = 0; w->newton < YCI_REST_STEPS; w->newton++) {
         double left = 0.0, far, slope;
         energy = yci_rest_energy(w, w->x, w->values);
         for (i = 0; i < w->n; i++) left = yci_max(left, fabs(w->g[i]));
-        if (left <= YCI_REST_CLOSE * force) return YC_OK;
+        if (left <= YCI_REST_CLOSE * w->force) return YC_OK;
         for (tries = 0; tries < 60; tries++, shift *= 5.0) {
             yc_result result;
             memcpy(shifted, w->values, (size_t)w->ptr[w->n] * sizeof *shifted);
@@ -19141,7 +19146,7 @@ static yc_result yci_rest_open(yci_rest *w, yci_context *c, yc_knit_desc *d, int
     w->ahead = w->x + w->n, w->g = w->ahead + w->n;
     *periodic = yci_rest_parts(w);
     if (!*periodic) return YC_OK;
-    w->segment = yci_rest_begin(w);
+    yci_rest_begin(w);
     result = yci_rest_pattern(w);
     if (result == YC_OK && yc_chol_analyze(&c->host, w->n, w->ptr, w->col, NULL, &w->chol) != YC_OK)
         result = yci_out_of_memory(c, "the rest shape of a knit");

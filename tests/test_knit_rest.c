@@ -47,7 +47,7 @@ static void balance(const char *text, int stitches, int rows) {
     if (!CHECK_RESULT(yci_rest_open(&w, &c, &d, &periodic), YC_OK) || !CHECK(periodic)) return;
     CHECK(w.cell.period[w.cell.rows - 1] == stitches && w.cell.rows == rows);
     x = (double *)malloc(4 * (size_t)w.n * sizeof *x), g = x + w.n, h = g + w.n;
-    force = d.yarn.bending / (w.segment * w.segment);
+    force = w.force;
     for (i = 0; i < w.n; i++) x[i] = w.x[i] + test_random(&seed, -0.02, 0.02) * w.segment;
     begin = yci_rest_energy(&w, w.x, NULL);
     CHECK(isfinite(begin) && isfinite(yci_rest_energy(&w, x, w.values)));
@@ -137,6 +137,34 @@ TEST(knit_rest_follows_its_yarn) {
         CHECK_NEAR(rest[2].scale[f], rest[1].scale[f], 0.03);
     }
     for (i = 0; i < 3; i++) yc_knit_rest_destroy(&rest[i]);
+}
+
+/* Yarns that hardly stretch, hardly bend or do not resist bending at all, and loops of 0.3 and 30 mm of yarn as thick as
+ * ever: lace finds its shape, and it is that of any yarn which bends easily and hardly stretches. */
+TEST(knit_rest_of_any_yarn) {
+    yc_knit_desc d = yc_knit_desc_default();
+    yc_knit_rest rest[7];
+    yc_chart chart;
+    int i, f;
+    if (!CHECK_RESULT(yc_chart_read(NULL, scene_diamond, strlen(scene_diamond), NULL, &chart, NULL), YC_OK)) return;
+    for (i = 0; i < 7; i++) {
+        char why[YC_MESSAGE_SIZE];
+        d = yc_knit_desc_default(), d.chart = &chart;
+        if (i == 1) d.yarn.stretch *= 1e3;
+        if (i == 2) d.yarn.bending *= 1e-3;
+        if (i == 3) d.yarn.bending = 0.0;
+        if (i == 4) d.yarn.bending *= 1e3;
+        if (i > 4) d.wales *= i == 5 ? 0.3 : 30.0, d.courses *= i == 5 ? 0.3 : 30.0;
+        CHECK_RESULT(yc_knit_relax(NULL, &d, &rest[i], why), YC_OK);
+        CHECK_TEXT(why, "");
+    }
+    for (f = 0; f < 2; f++)
+        for (i = 1; i < 4; i++) CHECK_NEAR(rest[i].scale[f], rest[0].scale[f], 5e-3);
+    for (i = 0; i < 7; i++) {
+        CHECK(rest[i].scale[0] > 0.5 && rest[i].scale[0] < 2.0 && rest[i].scale[1] > 0.5 && rest[i].scale[1] < 2.0);
+        yc_knit_rest_destroy(&rest[i]);
+    }
+    yc_chart_destroy(&chart);
 }
 
 /* A laid piece's loops, from the left, `apart` stitches and rows from each other, are the same; the piece has the
