@@ -707,6 +707,9 @@ typedef struct yc_knit_desc {
     double wales, courses; /* per m, stitches across and rows along; > 0; default 220, 300: hand-knitted wool */
     double loop;           /* m of yarn in a stitch; >= 0; default 0: as long as it is laid */
     yc_yarn_material yarn; /* default: a wool yarn of 440 tex */
+    /* What yc_knit_relax found: stitches are laid in that shape, at its gauge and with its length of yarn, in place of
+     * `wales`, `courses` and `loop`, and the yarn turns at rest as it is laid. NULL: none; default NULL */
+    const struct yc_knit_rest *rest;
     /* NULL: none. Else every UV island is cut from a flat piece that is knitted as large as it takes: stitches and rows
      * are not looked at, but the chart must fit some number of stitches again and again. Default NULL */
     const yc_mesh *mesh;
@@ -722,6 +725,31 @@ YC_API yc_knit_desc yc_knit_desc_default(void);
  * then *out is untouched. */
 YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
 
+/* The rest shape of a knit: that of its chart's smallest repeat. */
+typedef struct yc_knit_rest {
+    double wales, courses; /* per m: the relaxed gauge; what was asked for over `scale` */
+    double scale[2];       /* how much wider and higher a stitch became */
+    double loop;           /* m of yarn in a stitch, the mean */
+    int stitches, rows;    /* of the repeat */
+    int newton;            /* iterations */
+    void *owner;           /* the shapes of its loops */
+} yc_knit_rest;
+
+/* Relaxes a knit (YARN 4.1): the smallest rectangle of its chart that repeats itself, in stitches and rows, with copies
+ * of itself all around. Its yarn, straight where it is left alone, slides without friction, does not wrap, and stays in
+ * the plane; width and height are free, so that the gauge comes out. Fibres set where they are left or washed: pieces
+ * that yc_knit lays in this shape are at rest but for wrapping, which curls them. A chart without such a rectangle,
+ * because a row has no repeat or rows do not come to as many stitches again, or with one of more than 4096 stitches,
+ * gets the shape of plain knitting for all its plain stitches.
+ * desc  not NULL; stitches, rows, live, mesh and rest are not looked at; one `round` goes for pieces that are so
+ * *out  untouched on failure, free with yc_knit_rest_destroy; serves for pieces of any size. host NULL is a zeroed one;
+ *       message is NULL or YC_MESSAGE_SIZE bytes
+ * Errors: ARGUMENT (as of yc_knit), MEMORY, DIVERGED. Cost: 20 to 100 direct solves with 16 unknowns per stitch. */
+YC_API yc_result yc_knit_relax(const yc_host *host, const yc_knit_desc *desc, yc_knit_rest *out, char *message);
+
+/* Frees what yc_knit_relax made and zeroes the struct. NULL is fine. */
+YC_API void yc_knit_rest_destroy(yc_knit_rest *rest);
+
 /* Knits. The network's layout is seen from the right side, the cast-on at the bottom (z = 0; in the round a tube about
  * the y axis, outward from it): loops are moved, by springs between neighbours, to where their stitches want to be, so
  * that decreases slant and yarn-overs open holes. Every place where a loop is drawn through k >= 1 older ones has four
@@ -730,13 +758,14 @@ YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
  * visits and without a contact; nodes with a single visit stand beside sharp turns: the yarn turns by less than 90
  * degrees everywhere unless stitches are crowded. The ends of the yarn are secured, but for the last one of a live
  * knit. u is measured along the layout, stretched by one factor so that the length in a stitch is `loop`, the mean over
- * the rows that were worked.
+ * the rows that were worked; yarn is straight at rest.
+ * With a rest shape, stitches that lie in a repeat of the chart, or are worked like one there, are laid as they relaxed;
+ * the others, at edges, as near to that as springs bring them. All is then at rest but for wrapping.
  * With a mesh the layout is the pattern's; yarns end on the outline of their island, in a node of their own, and are
  * tied to a rod along every edge where two islands are welded, as yc_weave does it. A stitch contact of which the
- * outline cuts a part goes as a whole: its yarns pass there alone. Yarn without any contact is left out. Since
- * yc_knit_relax cannot settle such pieces, their yarns turn at rest as they are laid, u is measured along the layout,
- * and the yarn's density carries the factor by which `loop` is longer: but for wrapping they lie still, at the gauge
- * that was asked for, and weigh what they should.
+ * outline cuts a part goes as a whole: its yarns pass there alone. Yarn without any contact is left out. Yarns turn at
+ * rest as they are laid, u is measured along the layout, and where there is no rest shape the yarn's density carries the
+ * factor by which `loop` is longer: but for wrapping pieces lie still, and weigh what they should.
  * desc  not NULL; out  receives the network, untouched on failure; free with yc_yarns_destroy. Its materials are the
  *       yarn and, with a mesh, the rod unless rod.density is 0
  * Errors: ARGUMENT (the message names the field, or line, row and stitch of the chart and what does not fit), TOPOLOGY
@@ -1039,20 +1068,6 @@ YC_API yc_result yc_scene_stress(yc_scene *scene, int cloth, double *out);
  * bit as the saved one does, in one build on one machine. Load refuses the state of another scene with PARSE. */
 YC_API yc_result yc_scene_save(yc_scene *scene, void *buffer, size_t *size);
 YC_API yc_result yc_scene_load(yc_scene *scene, const void *buffer, size_t size);
-
-/* What a knit has settled to: `scale` is how much wider and higher its middle became. */
-typedef struct yc_knit_rest {
-    double scale[2];
-    int steps, newton;
-} yc_knit_rest;
-
-/* Gives a knit that yc_knit laid flat its rest shape (YARN 4.1). Yarn that is straight at rest settles on a table, free
- * and without wrapping, held by friction; what comes of it is the new layout, u its length, and visit_turn how the yarn
- * turns in it, as fibres set where they are left or washed. A piece starts at rest then, but for wrapping, which curls
- * it. The gauge becomes wales / scale[0], courses / scale[1].
- * yarns  not NULL, with visit_turn; untouched on failure; rest  may be NULL
- * Errors: ARGUMENT (no knit, not flat), MEMORY, DIVERGED. Cost: some hundred direct solves of the whole piece. */
-YC_API yc_result yc_knit_relax(const yc_host *host, yc_yarns *yarns, yc_knit_rest *rest, char *message);
 
 /* ---------------------------------------------------------------------------------------------------------------------
  * Output: what a renderer wants
@@ -6533,7 +6548,8 @@ YC_API const char *yc_chol_message(const yc_chol *chol) { return chol ? chol->co
  * Charts are read line by line into rows of items: stitches, how often; brackets are written out, a row's one repeat
  * stays one. Knitting works them stitch by stitch on a needle of loops (yci_knit_loop): what is drawn through what, in
  * which order, from the front, all turned to how it looks from the right side. A bar that m1 lifts becomes a loop of
- * its row after the fact. Springs then place the loops' bases; nodes, visits and contacts follow from loops alone, see
+ * its row after the fact. Springs then place the loops' bases, or the rest shape does: rows of its repeat, and loops in
+ * them from the left, follow each other again and again. Nodes, visits and contacts follow from loops alone, see
  * yc_knit. Over a pattern, a piece of knitting that covers an island is laid flat in its frame; nodes are looked up in
  * triangles, segments of yarn cut by the outline, by a grid of cells as large as stitches, and what is inside goes into
  * the weaver, which makes the rods.
@@ -9311,11 +9327,12 @@ YC_API void yc_chart_destroy(yc_chart *chart) {
 /* ---- knits ------------------------------------------------------------------------------------------------------- */
 
 #define YCI_KNIT_LOOPS 25000000
-#define YCI_KNIT_TURN (75.0 / 180.0 * YCI_PI) /* a sharper turn of the yarn is shared with nodes beside it, */
-#define YCI_KNIT_CUTS 4                       /* at most so many, */
-#define YCI_KNIT_STEP 0.12                    /* a share of the segment's length from each other */
-#define YCI_KNIT_SWEEPS 400                   /* of the springs that place loops */
-#define YCI_KNIT_LEAST 1e-3                   /* shares of a stitch, of yarn between two visits */
+#define YCI_KNIT_TURN (75.0 / 180.0 * YCI_PI)           /* a sharper turn of the yarn is shared with nodes beside it, */
+#define YCI_KNIT_CUTS 4                                 /* at most so many, */
+#define YCI_KNIT_STEP 0.12                              /* a share of the segment's length from each other */
+#define YCI_KNIT_SWEEPS 400                             /* of the springs that place loops */
+#define YCI_KNIT_LEAST 1e-3                             /* shares of a stitch, of yarn between two visits */
+#define YCI_CELL ((sizeof(yci_context) + 15) / 16 * 16) /* bytes before a rest shape in its block */
 #define YCI_KNIT_STUB 0.1 /* widths of a stitch; nothing is visited closer to where an outline cuts the yarn */
 
 /* A loop. Its base is where it is drawn through older ones or, if it is drawn through none, in its row between its
@@ -9324,6 +9341,7 @@ typedef struct {
     double x[2];                   /* base, m: to the right, up; in the round x runs around the tube */
     double slot;                   /* in its row, in the order of work; the half ones are bars that were picked up */
     int row;                       /* 0: cast on */
+    int left;                      /* twice its number in its row, from the left */
     int next;                      /* along the yarn; -1: none */
     int old;                       /* the first of its old loops, from front to back, in yci_knitter.olds */
     int up[2];                     /* loops drawn through this one, in the order of work; -1: none */
@@ -9332,7 +9350,25 @@ typedef struct {
     signed char dir, up_dir;       /* +1: the yarn runs to the right, in this row and in that of `up` */
     unsigned char old_count, purl; /* as seen from the right side */
     unsigned char twist, tail;     /* its legs cross; the yarn's end, half a loop through the last one */
+    unsigned char set;             /* it lies as in the rest shape */
 } yci_knit_loop;
+
+/* A loop of a rest shape. */
+typedef struct {
+    double x[2];        /* its base, from the repeat's */
+    double place[5][2]; /* its nodes, from its base; numbered as of a loop of the piece */
+    int old_count;      /* -1: there is none */
+    int twist;
+} yci_cell_loop;
+
+/* A rest shape: a repeat of so many rows. */
+typedef struct {
+    double size[2];
+    int rows;
+    int *period;          /* [rows], loops of a row */
+    int *first;           /* [rows], of its places in `loops`: two for every loop, for bars lie between them */
+    yci_cell_loop *loops; /* as they follow each other from the left */
+} yci_cell;
 
 /* A visit before nodes are put beside sharp turns. */
 typedef struct {
@@ -9503,6 +9539,7 @@ static int yci_knit_bar(yci_knitter *k) {
     k->last = end;
     if (bar < 0) return -2;
     k->loops[bar].row = k->loops[a].row, k->loops[bar].dir = k->loops[a].dir, k->loops[bar].twist = 1;
+    k->loops[bar].left = (k->loops[a].left + k->loops[b].left) / 2;
     for (end = 0; end < 2; end++) k->loops[bar].x[end] = 0.5 * (k->loops[a].x[end] + k->loops[b].x[end]);
     k->loops[a].next = bar, k->loops[bar].next = b;
     return bar;
@@ -9536,6 +9573,7 @@ static void yci_knit_row_end(yci_knitter *k, int first) {
     for (i = first; i < k->loop_count; i++) {
         yci_knit_loop *loop = &k->loops[i];
         if (loop->row != k->row) continue;
+        loop->left = 2 * (k->dir > 0 ? (int)loop->slot : n - 1 - (int)loop->slot);
         if (k->around > 0.0) {
             loop->x[0] = k->around * (1.0 - (loop->slot + 0.5) / n);
             loop->x[1] = k->height * (k->row + loop->slot / n);
@@ -9682,6 +9720,58 @@ static void yci_knit_forces(yci_knitter *k) {
     }
 }
 
+/* ---- rest shapes ---- */
+
+static int yci_floor_divide(int a, int b) { return a / b - (a % b < 0); }
+
+/* The place of a loop in a repeat, and which repeat that is. */
+static int yci_cell_place(const yci_cell *cell, const yci_knit_loop *loop, int repeat[2]) {
+    int row, places;
+    repeat[1] = yci_floor_divide(loop->row - 1, cell->rows), row = loop->row - 1 - repeat[1] * cell->rows;
+    places = 2 * cell->period[row], repeat[0] = yci_floor_divide(loop->left, places);
+    return cell->first[row] + loop->left - repeat[0] * places;
+}
+
+/* The loop of that place; NULL where it is of another kind. */
+static const yci_cell_loop *yci_cell_at(const yci_cell *cell, const yci_knit_loop *loop, int repeat[2]) {
+    const yci_cell_loop *at = cell->loops + yci_cell_place(cell, loop, repeat);
+    return at->old_count == loop->old_count && at->twist == loop->twist && !loop->tail ? at : NULL;
+}
+
+/* Sets bases to where they lie in the rest shape: as a whole, as near as can be to where they were. */
+static void yci_knit_set(yci_knitter *k) {
+    const yci_cell *cell = (const yci_cell *)((char *)k->desc->rest->owner + YCI_CELL);
+    double shift[2] = {0.0, 0.0}, count = 0.0;
+    int sweep, i, f, repeat[2];
+    for (sweep = 0; sweep < 2; sweep++) {
+        for (i = 0; i < k->loop_count; i++) {
+            yci_knit_loop *loop = &k->loops[i];
+            const yci_cell_loop *at = loop->row < 1 ? NULL : yci_cell_at(cell, loop, repeat);
+            double rise = k->around > 0.0 ? loop->x[1] - k->height * loop->row : 0.0;
+            if (!at) continue;
+            for (f = 0; f < 2; f++) {
+                double x = repeat[f] * cell->size[f] + at->x[f] + (f ? rise : 0.0);
+                if (sweep) loop->x[f] = x + shift[f];
+                else shift[f] += loop->x[f] - x;
+            }
+            loop->set = 1, count += !sweep;
+        }
+        for (f = 0; f < 2 && count > 0.0 && !sweep; f++) shift[f] /= count;
+    }
+}
+
+/* Moves nodes to where they lie in the rest shape. */
+static void yci_knit_shape(yci_knitter *k) {
+    const yci_cell *cell = (const yci_cell *)((char *)k->desc->rest->owner + YCI_CELL);
+    int i, n, f, repeat[2];
+    for (i = 0; i < k->loop_count; i++) {
+        const yci_knit_loop *loop = &k->loops[i];
+        const yci_cell_loop *at = loop->set ? yci_cell_at(cell, loop, repeat) : NULL;
+        for (n = 0; at && n < (loop->old_count ? 4 : 0) + loop->twist; n++)
+            for (f = 0; f < 2; f++) k->place[loop->node + n][f] = loop->x[f] + at->place[n][f];
+    }
+}
+
 /* Lets the springs move the loops, by steps of Jacobi's method with momentum. */
 static yc_result yci_knit_relax(yci_knitter *k) {
     int sweep, i, j;
@@ -9692,7 +9782,7 @@ static yc_result yci_knit_relax(yci_knitter *k) {
     for (sweep = 0; sweep < YCI_KNIT_SWEEPS && far > 1e-4 * k->width; sweep++) {
         yci_knit_forces(k);
         for (i = 0, far = 0.0; i < k->loop_count; i++)
-            for (j = 0; j < 2; j++) {
+            for (j = 0; j < 2 && !k->loops[i].set; j++) {
                 k->speed[i][j] = 0.9 * k->speed[i][j] + 0.5 * k->force[i][j] / yci_max(k->force[i][2], 1e-30);
                 k->loops[i].x[j] += k->speed[i][j];
                 far = yci_max(far, fabs(k->speed[i][j]));
@@ -9779,7 +9869,9 @@ static void yci_knit_place_loop(yci_knitter *k, int i, int before) {
 /* Numbers and places all nodes. The last two are the yarn's ends, half a stitch beyond its first and last loop. */
 static yc_result yci_knit_place(yci_knitter *k) {
     int i, before = -1, last = k->loop_count - 1, n, end;
-    yc_result result = k->shaped ? yci_knit_relax(k) : YC_OK;
+    yc_result result;
+    if (k->desc->rest) yci_knit_set(k);
+    result = k->shaped ? yci_knit_relax(k) : YC_OK;
     if (result != YC_OK) return result;
     for (i = 0; i >= 0; i = k->loops[i].next) yci_knit_number(k, &k->loops[i]);
     k->place = (double(*)[2])yci_alloc(k->c, (size_t)k->node_count + 2, sizeof *k->place);
@@ -9900,19 +9992,24 @@ static void yci_knit_more(yci_knit_visit *v, int side) {
     if (v[side - 1].node != v[side].node && v->cuts[side] < YCI_KNIT_CUTS) v->cuts[side]++;
 }
 
+/* How the yarn turns at a visit without nodes beside it; d receives the ways to it and from it. */
+static double yci_knit_turn(const yci_knitter *k, const yci_knit_visit *v, double d[2][2]) {
+    yci_knit_way(k, k->place[v[-1].node], k->place[v->node], d[0]);
+    yci_knit_way(k, k->place[v->node], k->place[v[1].node], d[1]);
+    if (v[-1].node == v->node || v->node == v[1].node) return 0.0;
+    return atan2(d[0][0] * d[1][1] - d[0][1] * d[1][0], d[0][0] * d[1][0] + d[0][1] * d[1][1]);
+}
+
 /* Puts nodes beside every turn that is too sharp: into the segment outside of contacts, the longer one. More where that
  * does not suffice, since nodes at one end of a segment tilt what is left of it. */
 static void yci_knit_turns(yci_knitter *k) {
     double points[2][2 * YCI_KNIT_CUTS + 2][2], d[2][2];
     int sweep, i, j, count = 0, before;
-    for (i = 1; i + 1 < k->visit_count; i++) { /* as it turns without nodes */
+    for (i = 1; i + 1 < k->visit_count; i++) {
         yci_knit_visit *v = &k->visits[i];
-        yci_knit_way(k, k->place[v[-1].node], k->place[v->node], d[0]);
-        yci_knit_way(k, k->place[v->node], k->place[v[1].node], d[1]);
-        v->turn = atan2(d[0][0] * d[1][1] - d[0][1] * d[1][0], d[0][0] * d[1][0] + d[0][1] * d[1][1]);
+        v->turn = yci_knit_turn(k, v, d);
         v->after = !v->joined &&
             (v[-1].joined || d[1][0] * d[1][0] + d[1][1] * d[1][1] >= d[0][0] * d[0][0] + d[0][1] * d[0][1]);
-        if (v[-1].node == v->node || v->node == v[1].node) v->turn = 0.0;
         if (fabs(v->turn) > YCI_KNIT_TURN)
             v->cuts[v->after] = (unsigned char)(1 + (fabs(v->turn) > 1.5 * YCI_KNIT_TURN));
         if (v->node == v[1].node) v->cuts[1] = 1;
@@ -10025,19 +10122,35 @@ static void yci_knit_cross_layers(const yci_knitter *k, yc_yarns *y) {
     }
 }
 
+/* How the yarns turn where they are laid, which is how fibres set. */
+static void yci_knit_set_turns(yc_yarns *y) {
+    double d[2][3], cross[3];
+    int yarn, v, e;
+    for (yarn = 0; yarn < y->yarn_count; yarn++)
+        for (v = y->yarn_first[yarn] + 1; v + 1 < y->yarn_first[yarn + 1] && y->yarn_family[yarn] != YC_ROD; v++) {
+            for (e = 0; e < 2; e++) yci_sub(d[e], y->layout[y->visit_node[v + e]], y->layout[y->visit_node[v + e - 1]]);
+            yci_cross(cross, d[0], d[1]);
+            y->visit_turn[v] = atan2(yci_norm(cross), yci_dot(d[0], d[1]));
+        }
+}
+
 static yc_result yci_knit_lay(yci_knitter *k, yc_yarns *out) {
     int added, i, j;
-    double low[2] = {0.0, 0.0};
+    double low[2] = {0.0, 0.0}, d[2][2];
     char *block;
     yc_yarns y;
     yc_result result = yci_knit_place(k);
     if (result == YC_OK) result = yci_knit_follow(k);
     if (result != YC_OK) return result;
+    yci_knit_turns(k);
+    if (k->desc->rest) { /* which has no nodes beside turns, and may turn more sharply */
+        yci_knit_shape(k);
+        for (i = 1; i + 1 < k->visit_count; i++) k->visits[i].turn = yci_knit_turn(k, &k->visits[i], d);
+    }
     for (j = 0; j < 2 && k->around == 0.0; j++) {
         for (i = 0, low[j] = k->place[0][j]; i < k->node_count; i++) low[j] = yci_min(low[j], k->place[i][j]);
         for (i = 0; i < k->node_count; i++) k->place[i][j] -= low[j];
     }
-    yci_knit_turns(k);
     added = yci_knit_count(k);
     memset(&y, 0, sizeof y);
     y.node_count = k->node_count + added, y.visit_count = k->visit_count + added;
@@ -10049,24 +10162,34 @@ static yc_result yci_knit_lay(yci_knitter *k, yc_yarns *out) {
     yci_knit_fill(k, &y);
     yci_knit_measure(k, &y);
     if (k->around > 0.0) yci_knit_cross_layers(k, &y);
+    if (k->desc->rest) yci_knit_set_turns(&y);
     *out = y;
     return YC_OK;
+}
+
+static void yci_knit_start(yci_knitter *k, yci_context *c, const yc_knit_desc *desc) {
+    memset(k, 0, sizeof *k);
+    k->c = c, k->desc = desc;
+    k->width = 1.0 / desc->wales, k->height = 1.0 / desc->courses;
+    k->around = desc->round ? desc->stitches * k->width : 0.0;
+}
+
+static void yci_knit_free(yci_knitter *k) {
+    yci_context *c = k->c;
+    yci_free(c, k->loops), yci_free(c, k->olds), yci_free(c, k->needle), yci_free(c, k->fresh);
+    yci_free(c, k->force), yci_free(c, k->speed), yci_free(c, k->place);
+    yci_free(c, k->visits), yci_free(c, k->contacts);
 }
 
 /* Knits what desc asks for, or would without a mesh. *scale: that of u. */
 static yc_result yci_knit_make(yci_context *c, const yc_knit_desc *desc, yc_yarns *out, double *scale) {
     yci_knitter k;
     yc_result result;
-    memset(&k, 0, sizeof k);
-    k.c = c, k.desc = desc;
-    k.width = 1.0 / desc->wales, k.height = 1.0 / desc->courses;
-    k.around = desc->round ? desc->stitches * k.width : 0.0;
+    yci_knit_start(&k, c, desc);
     result = yci_knit_work(&k);
     if (result == YC_OK) result = yci_knit_lay(&k, out);
     *scale = k.scale;
-    yci_free(c, k.loops), yci_free(c, k.olds), yci_free(c, k.needle), yci_free(c, k.fresh);
-    yci_free(c, k.force), yci_free(c, k.speed), yci_free(c, k.place);
-    yci_free(c, k.visits), yci_free(c, k.contacts);
+    yci_knit_free(&k);
     return result;
 }
 
@@ -10456,7 +10579,7 @@ static yc_result yci_knit_piece(yci_knit_cutter *t, int piece) {
 /* A yarn of the network: `at` receives its visits' nodes, as numbered there. */
 static void yci_knit_fill_yarn(const yci_knit_cutter *t, const yci_weave_span *span, const int *number, yc_yarns *y) {
     const yci_weaver *w = &t->w;
-    double least = YCI_KNIT_LEAST * yci_min(1.0 / t->desc->wales, 1.0 / t->desc->courses), d[2][3], cross[3];
+    double least = YCI_KNIT_LEAST * yci_min(1.0 / t->desc->wales, 1.0 / t->desc->courses), d[3];
     int rod = span->family == YC_ROD, yarn = y->yarn_count++, first = y->yarn_first[yarn], v = first, k, e;
     for (k = -(span->tip[0] >= 0); k < span->count + (span->tip[1] >= 0); k++, v++) {
         int tip = k < 0 || k == span->count, visit = span->first + k;
@@ -10464,9 +10587,9 @@ static void yci_knit_fill_yarn(const yci_knit_cutter *t, const yci_weave_span *s
         y->visit_node[v] = number[old], y->visit_held[v] = rod || w->nodes[old].visits == 1;
         if (!tip && w->nodes[old].visits > 1) y->visit_layer[v] = w->visits[visit].layer;
         if (v == first) continue;
-        yci_sub(d[0], y->layout[y->visit_node[v]], y->layout[y->visit_node[v - 1]]);
+        yci_sub(d, y->layout[y->visit_node[v]], y->layout[y->visit_node[v - 1]]);
         y->visit_u[v] = rod && !tip ? w->visits[visit].along - w->visits[span->first].along
-                                    : y->visit_u[v - 1] + yci_max(yci_norm(d[0]), least);
+                                    : y->visit_u[v - 1] + yci_max(yci_norm(d), least);
     }
     y->yarn_family[yarn] = (unsigned char)span->family, y->yarn_material[yarn] = rod;
     y->yarn_first[yarn + 1] = v;
@@ -10476,11 +10599,6 @@ static void yci_knit_fill_yarn(const yci_knit_cutter *t, const yci_weave_span *s
         y->visit_held[e ? v - 1 : first] = 2; /* and the crossing next to it is held */
         for (k = 1; w->nodes[w->visits[span->first + (e ? span->count - k : k - 1)].node].visits < 2;) k++;
         y->visit_held[e ? v - 1 - k : first + k] = 1;
-    }
-    for (k = first + 1; k + 1 < v && !rod; k++) { /* it turns at rest as it is laid */
-        for (e = 0; e < 2; e++) yci_sub(d[e], y->layout[y->visit_node[k + e]], y->layout[y->visit_node[k + e - 1]]);
-        yci_cross(cross, d[0], d[1]);
-        y->visit_turn[k] = atan2(yci_norm(cross), yci_dot(d[0], d[1]));
     }
 }
 
@@ -10510,6 +10628,7 @@ static yc_result yci_knit_finish(yci_knit_cutter *t, yc_yarns *out) {
     yci_weave_fill_nodes(w, &y, number);
     for (i = 0, y.yarn_count = 0; i < w->span_count; i++)
         if (w->spans[i].count) yci_knit_fill_yarn(t, &w->spans[i], number, &y);
+    yci_knit_set_turns(&y);
     for (i = 0, tips = 0; i < w->span_count; i++) { /* from now on numbers of visits */
         const yci_weave_span *span = &w->spans[i];
         if (!span->count) continue;
@@ -10548,11 +10667,18 @@ static yc_result yci_knit_cut_out(yci_context *c, const yc_knit_desc *desc, yc_y
 
 YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns *out, char *message) {
     yci_context c;
+    yc_knit_desc d;
     double scale;
     yc_result result = yci_context_init(&c, host);
     if (result == YC_OK && (!desc || !out)) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "desc and out must not be NULL");
     if (result == YC_OK) result = yci_knit_check(&c, desc);
-    if (result == YC_OK) result = desc->mesh ? yci_knit_cut_out(&c, desc, out) : yci_knit_make(&c, desc, out, &scale);
+    if (result == YC_OK && desc->rest && !desc->rest->owner)
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "knit.rest: not made by yc_knit_relax()");
+    if (result == YC_OK) {
+        d = *desc;
+        if (d.rest) d.wales = d.rest->wales, d.courses = d.rest->courses, d.loop = 0.0;
+        result = d.mesh ? yci_knit_cut_out(&c, &d, out) : yci_knit_make(&c, &d, out, &scale);
+    }
     if (result == YC_OK) memcpy(out->owner, &c, sizeof c);
     return yci_report(&c, result, message);
 }
@@ -10890,6 +11016,7 @@ YC_FN void yci_yarn_angle_derivatives(const yci_yarn_angle *angle, const double 
 }
 
 /* -- bending: q = (x_a, x_b, x_c, u_a, u_c), jam the width in radians over which jamming sets in, 0 for none ------- */
+/*    It begins at a right angle, or at the rest angle where that is more: what was set so does not press itself open. */
 
 YC_FN double yci_yarn_bend_strain(const double *q) {
     double e1[3], e2[3], m[3];
@@ -10910,7 +11037,7 @@ YC_FN double yci_yarn_bend(const double *q, double k, double theta_0, double jam
     ddf = 2.0 * k * (1.0 + r);
     if (jam > 0.0) {
         double j, dj, ddj;
-        yci_one_sided(angle.phi - 0.5 * YCI_PI, jam, &j, &dj, &ddj);
+        yci_one_sided(angle.phi - yci_max(0.5 * YCI_PI, theta_0), jam, &j, &dj, &ddj);
         f += 2.0 * YCI_YARN_JAM * k * j;
         df += 2.0 * YCI_YARN_JAM * k * dj;
         ddf += 2.0 * YCI_YARN_JAM * k * ddj;
@@ -13828,14 +13955,20 @@ static yc_result yci_system_factor(yci_system *s) {
  *
  * Knits (YARN 3 and 4). A node has as many sliding coordinates as yarns. A stitch contact has two wrapped pairs, the
  * old leg below A with the new one above B and the new foot at A with the old head at B, each at rest a quarter turn
- * from flat, and keeps its length of yarn; nothing turns or shears there. Yarn jams when it turns by more than a right
- * angle, and turns by visit_turn at rest: a piece whose yarn would rather be straight has a moment in every loop and
- * buckles. Every segment has a floor under its length; outside of stitch contacts its ends resist, by k_c, when they
+ * from flat, and keeps its length of yarn; nothing turns or shears there. Yarn turns by visit_turn at rest, and jams
+ * when it turns by more than a right angle and than that: a piece whose yarn would rather be straight has a moment in
+ * every loop and buckles. Every segment has a floor under its length; outside of stitch contacts its ends resist, by k_c, when they
  * come closer than two yarns that lie side by side. A stack has one normal; its yarns press each other by stretch,
  * bending and wrapping. The new loop of a stack and the old one next to it are anchored each by itself, further old
  * ones by what they slide past their neighbour. Wrapping has no stiffness damping. What comes undone is listed with
  * the model, see yci_due: a persistent contact ends when the yarn that keeps it has gone (YARN 5.2.4), and a node of n
  * yarns becomes up to n nodes of one, in the same place. A knit that has lost all its contacts stays one.
+ *
+ * Rest shapes of knits (YARN 4.1). Not in a scene: a repeat of the chart is its own neighbour, its width and height are
+ * two more unknowns, and Newton's method finds where bending of straight yarn, jamming, stretch, stitch length and the
+ * contact of adjacent yarns balance, without friction, which would leave the loop as it was laid, and flat. Repeats that
+ * wrap in space gave hardly another gauge: stockinette the same, garter 0.99 of its height, 1x1 rib 0.52 of its width,
+ * which is what pieces draw in to from the flat shape; with sliding too, garter became higher by a tenth, not lower.
  *
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
@@ -18812,109 +18945,475 @@ YC_API yc_result yc_scene_stress(yc_scene *s, int cloth, double *out) {
 
 /* ---- rest shape of knits ---- */
 
-/* How much longer what lies along an axis became, by least squares over the nodes in the middle third of a box. */
-static double yci_rest_scale(const yc_yarns *y, const double (*x)[3], int axis) {
-    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, n = 0.0, p = 0.0, q = 0.0, pp = 0.0,
-           pq = 0.0;
-    int i, k;
-    for (i = 0; i < 2 * y->node_count; i++) {
-        low[i % 2] = yci_min(low[i % 2], y->layout[i / 2][i % 2]);
-        high[i % 2] = yci_max(high[i % 2], y->layout[i / 2][i % 2]);
+#define YCI_REST_LOOPS 4096 /* of a repeat */
+#define YCI_REST_STEPS 500  /* of Newton's method */
+#define YCI_REST_CLOSE 1e-6 /* what forces are left, over that which bends a segment of yarn */
+#define YCI_REST_STIFF 1e4  /* times that force, at most, is what yarn resists stretch with: it hardly tells any more */
+
+/* What begins at a visit of the repeat: two segments of the yarn and the turn between them. */
+typedef struct {
+    int node[3], visit[3]; /* numbers in the repeat */
+    int image[3][2];       /* which copies of the repeat the nodes lie in, */
+    int copy[3];           /* and the visits, along the yarn */
+    int row;               /* of the repeat */
+    int joined;            /* the first segment lies in a stitch contact */
+    double length;         /* m, of the first segment at first */
+} yci_rest_part;
+
+/* Unknowns: positions of nodes, x and y; the visits' u; width and height of the repeat. */
+typedef struct {
+    yci_context *c;
+    yci_knitter k; /* a sample, of three repeats or more each way */
+    char *block;   /* of the rest shape */
+    yci_cell cell;
+    int places, at[2];              /* for loops, in the repeat; which repeat of the sample is looked at */
+    int *loop, *node, *visit;       /* [places], the sample's loop there, -1: none; its first node and visit */
+    int *node_loop, *first;         /* [of the sample's nodes, loops], whose it is; first visit */
+    yci_rest_part *parts;           /* [visit_count] */
+    int node_count, visit_count, n; /* of the repeat; unknowns */
+    double *row_length;             /* [rows], of yarn in the repeat */
+    double loop_length;             /* of yarn in a stitch */
+    double laid[2];                 /* width and height of the repeat in the sample */
+    double *x, *ahead, *g;          /* [n] */
+    int *ptr, *col;                 /* of the lower triangle of the second derivatives */
+    double *values;                 /* and room for as many */
+    yc_chol *chol;
+    yc_yarn_material yarn; /* as it is reckoned with */
+    double segment, force; /* m, mean length; N, what bends one */
+    int newton;
+} yci_rest;
+
+/* The loops of each row in the smallest repeat of a chart; returns their sum, 0 where there is no repeat. */
+static int yci_rest_period(const yc_chart *chart, int *period) {
+    int begin, row, i;
+    for (begin = 1; begin <= YCI_REST_LOOPS; begin++) {
+        double n = begin, sum = 0.0;
+        for (row = 0; row < chart->row_count; row++) {
+            const yc_chart_row *r = &chart->rows[row];
+            double uses = 0.0, makes = 0.0;
+            for (i = r->repeat; i < r->after; i++) {
+                uses += (double)yci_stitches[chart->items[i].stitch].uses * chart->items[i].times;
+                makes += (double)yci_stitches[chart->items[i].stitch].makes * chart->items[i].times;
+            }
+            if (uses < 1.0 || makes < 1.0) return 0;
+            if (floor(n / uses) * uses != n) break;
+            n = n / uses * makes, sum += n;
+            if (sum > YCI_REST_LOOPS) return 0;
+            period[row] = (int)n;
+        }
+        if (row == chart->row_count && n == begin) return (int)sum;
     }
-    for (i = 0; i < y->node_count; i++) {
-        int inside = 1;
-        for (k = 0; k < 2; k++) inside &= fabs(y->layout[i][k] - 0.5 * (low[k] + high[k])) <= (high[k] - low[k]) / 6.0;
-        if (!inside) continue;
-        n += 1.0, p += y->layout[i][axis], q += x[i][axis];
-        pp += y->layout[i][axis] * y->layout[i][axis], pq += y->layout[i][axis] * x[i][axis];
-    }
-    return n * pp - p * p > 0.0 ? (n * pq - p * q) / (n * pp - p * p) : 1.0;
+    return 0;
 }
 
-/* A scene in which a knit settles: yarns are straight at rest and do not wrap, so that everything stays in the plane.
- * *period is about that of a stitch, from its yarn's bending. */
-static yc_result yci_rest_scene(
-    yci_context *c, const yc_host *host, const yc_yarns *y, double *period, yc_scene **out) {
-    yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
-    yc_cloth_desc cloth = yc_cloth_desc_default();
-    yc_yarns plain = *y;
-    double length = 2.0 * (y->visit_u[y->visit_count - 1] - y->visit_u[0]) / y->visit_count;
-    int i;
-    yc_result result;
-    plain.materials = YCI_NEW(c, yc_yarn_material, y->material_count);
-    if (!plain.materials) return yci_out_of_memory(c, "the rest shape of a knit");
-    for (*period = 0.0, i = 0; i < y->material_count; i++) {
-        const yc_yarn_material *m = y->materials + i;
-        plain.materials[i] = *m, plain.materials[i].wrap = 0.0;
-        *period = yci_max(*period, length * length * sqrt(m->density / yci_max(m->bending, 1e-300)));
+static size_t yci_rest_arrays(yci_rest *w, char *block, int rows) {
+    size_t used = YCI_CELL;
+    yci_weave_carve(block, &used, 1, sizeof w->cell);
+    w->cell.rows = rows;
+    w->cell.period = (int *)yci_weave_carve(block, &used, rows, sizeof(int));
+    w->cell.first = (int *)yci_weave_carve(block, &used, rows, sizeof(int));
+    w->cell.loops = (yci_cell_loop *)yci_weave_carve(block, &used, w->places, sizeof *w->cell.loops);
+    return used;
+}
+
+/* Knits the sample. Where the chart has no repeat, or none that comes to as many stitches, plain knitting. */
+static yc_result yci_rest_sample(yci_rest *w, yc_knit_desc *d) {
+    const yc_chart *chart = d->chart ? d->chart : &yci_knit_plain;
+    int *period = YCI_NEW(w->c, int, chart->row_count + 2), sum, base = 0, i;
+    yc_result result = YC_OK;
+    if (!period) return yci_out_of_memory(w->c, "the rest shape of a knit");
+    sum = yci_rest_period(chart, period);
+    if (sum) base = period[chart->row_count - 1];
+    d->stitches = sum ? yci_knit_fitting(w->c, chart, 2 * base + (int)yci_max(base, 12.0)) : 0;
+    if (!d->stitches) {
+        chart = &yci_knit_plain, d->round = 0;
+        d->stitches = 13, period[0] = period[1] = base = 1, sum = 2;
     }
-    plain.visit_turn = NULL;
-    yci_zero(settings.gravity, 3);
-    settings.dt_max = 10.0 * *period, settings.dt_min = 1e-6 * *period, settings.mass_damping = 0.05 / *period;
-    settings.tolerance = 1e-4 * plain.materials[0].radius, settings.newton_limit = 25;
-    settings.solver = YC_SOLVER_DIRECT;
-    cloth.yarns = &plain, cloth.hold_network = 1;
-    result = yc_scene_create(host, &settings, out, c->message);
-    if (result == YC_OK) result = yc_scene_add_cloth(*out, &cloth, NULL);
-    if (result != YC_OK && *out) yci_say(c, "%s", yc_scene_message(*out));
-    yci_free(c, plain.materials);
+    d->chart = chart, d->rows = chart->row_count * (int)yci_max(3.0, 12.0 / chart->row_count + 1.0);
+    w->places = 2 * sum;
+    w->block = (char *)yci_alloc(w->c, yci_rest_arrays(w, NULL, chart->row_count), 1);
+    if (!w->block) result = yci_out_of_memory(w->c, "the rest shape of a knit");
+    else {
+        yci_rest_arrays(w, w->block, chart->row_count);
+        for (i = 0; i < chart->row_count; i++) w->cell.period[i] = period[i];
+        for (i = 1; i < chart->row_count; i++) w->cell.first[i] = w->cell.first[i - 1] + 2 * period[i - 1];
+    }
+    yci_free(w->c, period);
+    w->at[0] = d->stitches / base / 2, w->at[1] = (d->rows / chart->row_count - 1) / 2;
+    yci_knit_start(&w->k, w->c, d);
+    if (result == YC_OK) result = yci_knit_work(&w->k);
+    if (result == YC_OK) result = yci_knit_place(&w->k);
+    if (result == YC_OK) result = yci_knit_follow(&w->k);
     return result;
 }
 
-/* Makes what was reached the rest. */
-static void yci_rest_take(yc_yarns *y, const double (*x)[3]) {
-    double q[11] = {0.0}, d[3];
-    int yarn, v, k;
-    for (k = 0; k < y->node_count; k++) yci_copy(y->layout[k], x[k]);
-    for (yarn = 0; yarn < y->yarn_count; yarn++)
-        for (v = y->yarn_first[yarn]; v < y->yarn_first[yarn + 1]; v++) {
-            int inner = v > y->yarn_first[yarn] && v + 1 < y->yarn_first[yarn + 1];
-            if (v > y->yarn_first[yarn]) {
-                yci_sub(d, x[y->visit_node[v]], x[y->visit_node[v - 1]]);
-                y->visit_u[v] = y->visit_u[v - 1] + yci_norm(d);
+/* The place of a loop of the sample in the repeat, and which copy of that it lies in. */
+static int yci_rest_place(const yci_rest *w, const yci_knit_loop *loop, int image[2]) {
+    int place = yci_cell_place(&w->cell, loop, image), i;
+    for (i = 0; i < 2; i++) image[i] -= w->at[i];
+    return place;
+}
+
+/* Numbers nodes and visits of the repeat, in the order of the yarn. */
+static yc_result yci_rest_number(yci_rest *w) {
+    yci_knitter *k = &w->k;
+    int i, n, v = 0, image[2], place;
+    w->loop = YCI_NEW(w->c, int, 3 * (size_t)w->places);
+    w->node_loop = YCI_NEW(w->c, int, k->node_count), w->first = YCI_NEW(w->c, int, k->loop_count);
+    if (!w->loop || !w->node_loop || !w->first) return yci_out_of_memory(w->c, "the rest shape of a knit");
+    w->node = w->loop + w->places, w->visit = w->node + w->places;
+    for (i = 0; i < w->places; i++) w->loop[i] = -1;
+    for (i = 0; i < k->node_count; i++) w->node_loop[i] = -1;
+    for (i = 0; i >= 0; i = k->loops[i].next) {
+        const yci_knit_loop *loop = &k->loops[i];
+        int count = (loop->old_count ? 4 : 0) + loop->twist, visits = yci_knit_visits_of(k, loop);
+        w->first[i] = v + 1, v += visits;
+        if (loop->row < 1) continue;
+        for (n = 0; n < count; n++) w->node_loop[loop->node + n] = i;
+        place = yci_rest_place(w, loop, image);
+        if (image[0] || image[1]) continue;
+        w->loop[place] = i, w->node[place] = w->node_count, w->visit[place] = w->visit_count;
+        w->node_count += count, w->visit_count += visits;
+    }
+    return YC_OK;
+}
+
+/* Numbers in the repeat of a visit to loop `id` of the sample, and of its node; 0: the sample does not repeat itself
+ * there. */
+static int yci_rest_find(const yci_rest *w, int id, int v, int t, yci_rest_part *part) {
+    const yci_knitter *k = &w->k;
+    const yci_knit_loop *loop = &k->loops[id], *like;
+    int node = k->visits[v].node, image[2], place;
+    if (loop->row < 1 || w->node_loop[node] < 0) return 0;
+    place = yci_rest_place(w, loop, image);
+    if (w->loop[place] < 0 || image[1]) return 0;
+    like = &k->loops[w->loop[place]];
+    if (yci_knit_visits_of(k, loop) != yci_knit_visits_of(k, like)) return 0;
+    part->visit[t] = w->visit[place] + v - w->first[id], part->copy[t] = image[0] * loop->dir;
+    part->row = (loop->row - 1) % w->cell.rows;
+    loop = &k->loops[w->node_loop[node]];
+    place = yci_rest_place(w, loop, part->image[t]);
+    if (w->loop[place] < 0) return 0;
+    like = &k->loops[w->loop[place]];
+    part->node[t] = w->node[place] + node - loop->node;
+    return loop->old_count == like->old_count && loop->twist == like->twist;
+}
+
+/* The parts of the repeat. 0: it is none, since the sample does not repeat itself. */
+static int yci_rest_parts(yci_rest *w) {
+    const yci_knitter *k = &w->k;
+    int i, v, t, image[2], count = 0;
+    for (i = 0; i >= 0; i = k->loops[i].next) {
+        const yci_knit_loop *loop = &k->loops[i];
+        int end = w->first[i] + yci_knit_visits_of(k, loop), id;
+        if (loop->row < 1) continue;
+        yci_rest_place(w, loop, image);
+        if (image[0] || image[1]) continue;
+        for (v = w->first[i]; v < end; v++) {
+            const yci_knit_visit *at = &k->visits[v];
+            yci_rest_part *part = &w->parts[count++];
+            for (t = 0, id = i; t < 3; t++) {
+                while (id >= 0 && v + t >= w->first[id] + yci_knit_visits_of(k, &k->loops[id])) id = k->loops[id].next;
+                if (id < 0 || k->loops[id].row != loop->row || !yci_rest_find(w, id, v + t, t, part)) return 0;
             }
-            for (k = 0; k < 3 && inner; k++) yci_copy(q + 3 * k, x[y->visit_node[v + k - 1]]);
-            y->visit_turn[v] = inner ? yci_yarn_bend_strain(q) : 0.0;
+            part->joined = at->joined;
+        }
+    }
+    return count > 0;
+}
+
+/* Where a part's nodes lie, z = 0, and the lengths along the yarn of its visits. */
+static void yci_rest_state(const yci_rest *w, const yci_rest_part *part, const double *x, double q[9], double u[3]) {
+    int t, f;
+    for (t = 0; t < 3; t++) {
+        for (f = 0; f < 2; f++) q[3 * t + f] = x[2 * part->node[t] + f] + part->image[t][f] * x[w->n - 2 + f];
+        q[3 * t + 2] = 0.0, u[t] = x[2 * w->node_count + part->visit[t]] + part->copy[t] * w->row_length[part->row];
+    }
+}
+
+/* Starts from the sample, at the length of yarn that is asked for. The shape is that of a yarn which bends easily and
+ * hardly stretches: how hardly, or that it does not resist bending at all, shall not make it hard to find. */
+static void yci_rest_begin(yci_rest *w) {
+    const yci_knitter *k = &w->k;
+    double far[2] = {0.0, 0.0}, count[2] = {0.0, 0.0}, q[9], u[3], d[3], sum = 0.0, scale, loops = 0.0;
+    int i, n, f, image[2], place;
+    for (i = 0; i < k->loop_count; i++) {
+        const yci_knit_loop *loop = &k->loops[i];
+        if (loop->row < 1) continue;
+        place = yci_rest_place(w, loop, image);
+        if (w->loop[place] < 0) continue;
+        for (f = 0; f < 2; f++)
+            if (image[f] == 1 && !image[!f]) far[f] += loop->x[f] - k->loops[w->loop[place]].x[f], count[f] += 1.0;
+        if (image[0] || image[1]) continue;
+        loops += loop->old_count > 0;
+        for (n = 0; n < (loop->old_count ? 4 : 0) + loop->twist; n++)
+            for (f = 0; f < 2; f++) w->x[2 * (w->node[place] + n) + f] = k->place[loop->node + n][f];
+    }
+    for (f = 0; f < 2; f++) w->x[w->n - 2 + f] = w->laid[f] = far[f] / count[f];
+    for (i = 0; i < w->visit_count; i++) {
+        yci_rest_part *part = &w->parts[i];
+        yci_rest_state(w, part, w->x, q, u);
+        yci_sub(d, q + 3, q);
+        part->length = yci_max(yci_norm(d), YCI_KNIT_LEAST * yci_min(k->width, k->height)), sum += part->length;
+    }
+    scale = k->desc->loop > 0.0 ? k->desc->loop * loops / sum : 1.0;
+    for (i = 0; i < w->n; i++) w->x[i] *= scale;
+    for (i = 0; i < w->visit_count; i++) {
+        yci_rest_part *part = &w->parts[i];
+        part->length *= scale;
+        w->x[2 * w->node_count + part->visit[0]] = w->row_length[part->row];
+        w->row_length[part->row] += part->length;
+    }
+    w->loop_length = scale * sum / loops, w->segment = scale * sum / w->visit_count;
+    w->yarn = k->desc->yarn;
+    w->force = yci_max(w->yarn.bending / (w->segment * w->segment), 1e-9 * w->yarn.stretch);
+    w->yarn.bending = w->force * w->segment * w->segment;
+    w->yarn.stretch = yci_min(w->yarn.stretch, YCI_REST_STIFF * w->force);
+    w->yarn.stitch = yci_min(w->yarn.stitch, YCI_REST_STIFF * w->force);
+    w->yarn.contact = yci_min(w->yarn.contact, YCI_REST_STIFF * w->force);
+}
+
+/* Where a second derivative is; rows of the width and the height are full. */
+static int yci_rest_entry(const yci_rest *w, int row, int column) {
+    int low = w->ptr[row], high = w->ptr[row + 1] - 1;
+    if (row >= w->n - 2) return low + column;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (w->col[middle] < column) low = middle + 1;
+        else high = middle;
+    }
+    return low;
+}
+
+/* Adds the derivatives of a part by its positions and u, h [9][9], to those by all unknowns. */
+static void yci_rest_add(
+    const yci_rest *w, const yci_rest_part *part, const double *g, double (*h)[9], double *values) {
+    int own[9], size[9], a, b, i, j;
+    double by[9];
+    for (a = 0; a < 9; a++) {
+        int t = a < 6 ? a / 2 : a - 6;
+        own[a] = a < 6 ? 2 * part->node[t] + a % 2 : 2 * w->node_count + part->visit[t];
+        size[a] = w->n - 2 + a % 2, by[a] = a < 6 ? part->image[t][a % 2] : 0.0;
+        w->g[own[a]] += g[a];
+        if (by[a] != 0.0) w->g[size[a]] += by[a] * g[a];
+    }
+    for (a = 0; a < 9; a++)
+        for (b = 0; b < 9; b++) {
+            for (i = 0; i < 1 + (by[a] != 0.0); i++)
+                for (j = 0; j < 1 + (by[b] != 0.0); j++) {
+                    int row = i ? size[a] : own[a], column = j ? size[b] : own[b];
+                    if (column <= row)
+                        values[yci_rest_entry(w, row, column)] += (i ? by[a] : 1.0) * (j ? by[b] : 1.0) * h[a][b];
+                }
         }
 }
 
-YC_API yc_result yc_knit_relax(const yc_host *host, yc_yarns *y, yc_knit_rest *rest, char *message) {
-    yci_context c;
-    yc_scene *s = NULL;
-    yc_stats stats;
-    yc_knit_rest out;
-    double(*x)[3] = NULL, (*last)[3], period = 0.0, moved = HUGE_VAL;
-    yc_result result = yci_context_init(&c, host);
+/* Adds an element's derivatives to those of its part; place[]: of its unknowns there, -1: z, which is held. */
+static void yci_rest_gather(
+    const int *place, int n, const double *g, const double *h, double *sum, double (*second)[9]) {
+    int i, j;
+    for (i = 0; i < n; i++) {
+        if (place[i] < 0) continue;
+        sum[place[i]] += g[i];
+        for (j = 0; j < n; j++)
+            if (place[j] >= 0) second[place[i]][place[j]] += h[n * i + j];
+    }
+}
+
+/* The energy; infinite where yarn has no length left. With `values` the derivatives too. */
+static double yci_rest_energy(yci_rest *w, const double *x, double *values) {
+    static const int slide[2] = {6, 7}, stretch[8] = {0, 1, -1, 2, 3, -1, 6, 7},
+                     bend[11] = {0, 1, -1, 2, 3, -1, 4, 5, -1, 6, 8};
+    const yc_yarn_material *m = &w->yarn;
+    double energy = 0.0, q[12], u[3], g[11], h[121], sum[9], second[9][9];
     int i;
-    memset(&out, 0, sizeof out), memset(&stats, 0, sizeof stats);
-    if (result == YC_OK && !y) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns must not be NULL");
-    if (result == YC_OK) result = yci_yarns_check(&c, y, NULL);
-    if (result == YC_OK && (!y->contact_count || !y->visit_turn))
-        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns must be a knit, with visit_turn");
-    for (i = 0; result == YC_OK && i < y->node_count; i++)
-        if (y->layout[i][2] != 0.0)
-            result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "yarns.layout[%d][2] = %g: only a flat knit settles on a table", i,
-                y->layout[i][2]);
-    if (result == YC_OK && !(x = (double(*)[3])yci_alloc(&c, 2 * (size_t)y->node_count, sizeof *x)))
-        result = yci_out_of_memory(&c, "the rest shape of a knit");
-    if (result == YC_OK) result = yci_rest_scene(&c, host, y, &period, &s);
-    for (out.steps = 0; result == YC_OK && moved > 1e-2 * y->materials[0].radius && out.steps < 100; out.steps++) {
-        last = x + y->node_count, memcpy(last, x, (size_t)y->node_count * sizeof *x);
-        result = yc_scene_step(s, 10.0 * period, &stats);
-        if (result == YC_OK) result = yc_scene_positions(s, 0, YC_NODE, x);
-        if (result != YC_OK) yci_say(&c, "the knit does not settle: %s", yc_scene_message(s));
-        for (moved = 0.0, i = 0; i < 3 * y->node_count; i++)
-            moved = yci_max(moved, fabs(x[i / 3][i % 3] - last[i / 3][i % 3]));
-        out.newton += stats.newton;
+    if (values) {
+        memset(w->g, 0, (size_t)w->n * sizeof *w->g);
+        memset(values, 0, (size_t)w->ptr[w->n] * sizeof *values);
     }
+    for (i = 0; i < w->visit_count; i++) {
+        const yci_rest_part *part = &w->parts[i];
+        double *to = values ? g : NULL, *too = values ? h : NULL, touching = yci_min(2.0 * m->radius, part->length);
+        memset(sum, 0, sizeof sum), memset(second, 0, sizeof second);
+        yci_rest_state(w, part, x, q, u);
+        if (u[1] <= u[0] || u[2] <= u[1]) return HUGE_VAL;
+        energy += yci_yarn_floor(u, YCI_HARDNESS * m->stretch, 0.2 * part->length, to, too);
+        if (values) yci_rest_gather(slide, 2, g, h, sum, second);
+        if (part->joined) energy += yci_yarn_length(u, m->stitch, part->length, to, too);
+        else energy += yci_yarn_contact(u, m->contact, touching, to, too);
+        if (values) yci_rest_gather(slide, 2, g, h, sum, second);
+        q[9] = u[0], q[10] = u[2]; /* of bending; those of stretch stand where its third node would */
+        energy += yci_yarn_bend(q, m->bending, 0.0, YCI_TURN_WIDTH, 0.0, 0.0, to, too, 0);
+        if (values) yci_rest_gather(bend, 11, g, h, sum, second);
+        q[6] = u[0], q[7] = u[1];
+        energy += yci_yarn_stretch(q, m->stretch, 0.0, 0.0, NULL, to, too, 0);
+        if (values) yci_rest_gather(stretch, 8, g, h, sum, second), yci_rest_add(w, part, sum, second, values);
+    }
+    return energy;
+}
+
+/* The pattern of the second derivatives, rows sorted. */
+static yc_result yci_rest_pattern(yci_rest *w) {
+    int sweep, i, a, b, row, count;
+    w->ptr = YCI_NEW(w->c, int, w->n + 2);
+    for (sweep = 0; sweep < 2 && w->ptr; sweep++) {
+        for (i = 0; i < w->visit_count; i++) {
+            const yci_rest_part *part = &w->parts[i];
+            int own[9];
+            for (a = 0; a < 9; a++)
+                own[a] = a < 6 ? 2 * part->node[a / 2] + a % 2 : 2 * w->node_count + part->visit[a - 6];
+            for (a = 0; a < 9; a++)
+                for (b = 0; b < 9; b++) {
+                    if (own[b] > own[a]) continue;
+                    if (!sweep) w->ptr[own[a] + 2]++;
+                    else w->col[w->ptr[own[a] + 1]++] = own[b];
+                }
+        }
+        if (sweep) continue;
+        for (i = 0; i + 2 < w->n; i++) w->ptr[i + 2] += w->ptr[i + 1];
+        w->col = YCI_NEW(w->c, int, (size_t)w->ptr[w->n - 1] + 2 * (size_t)w->n);
+        if (!w->col) break;
+    }
+    if (!w->ptr || !w->col) return yci_out_of_memory(w->c, "the rest shape of a knit");
+    for (row = count = 0, b = 0; row < w->n; row++) { /* in their order, each once */
+        int begin = count, end = row + 2 < w->n ? w->ptr[row + 1] : b;
+        for (i = b; i < end; i++) {
+            int column = w->col[i], at = count;
+            while (at > begin && w->col[at - 1] >= column) at--;
+            if (at < count && w->col[at] == column) continue;
+            memmove(w->col + at + 1, w->col + at, (size_t)(count - at) * sizeof *w->col);
+            w->col[at] = column, count++;
+        }
+        for (i = 0; row + 2 >= w->n && i <= row; i++) w->col[count++] = i;
+        w->ptr[row] = begin, b = end;
+    }
+    w->ptr[w->n] = count;
+    w->values = YCI_NEW(w->c, double, 2 * (size_t)count);
+    return w->values ? YC_OK : yci_out_of_memory(w->c, "the rest shape of a knit");
+}
+
+/* Newton's method with a shift of the second derivatives, which are taken as they are: it rises where they have no
+ * factor, or the energy does not fall, and sinks after every step. Whole rows of yarn may slide, and all of it may
+ * move, without a force: so there is always some. */
+static yc_result yci_rest_solve(yci_rest *w) {
+    double *shifted = w->values + w->ptr[w->n], least = yci_max(1e-7 * w->force, 1e-12 * w->yarn.stretch) / w->segment;
+    double shift = 1e-2 * w->force / w->segment, energy, next;
+    int i, tries;
+    for (w->newton = 0; w->newton < YCI_REST_STEPS; w->newton++) {
+        double left = 0.0, far, slope;
+        energy = yci_rest_energy(w, w->x, w->values);
+        for (i = 0; i < w->n; i++) left = yci_max(left, fabs(w->g[i]));
+        if (left <= YCI_REST_CLOSE * w->force) return YC_OK;
+        for (tries = 0; tries < 60; tries++, shift *= 5.0) {
+            yc_result result;
+            memcpy(shifted, w->values, (size_t)w->ptr[w->n] * sizeof *shifted);
+            for (i = 0; i < w->n; i++) shifted[w->ptr[i + 1] - 1] += shift, w->ahead[i] = -w->g[i];
+            result = yc_chol_factor(w->chol, shifted);
+            if (result == YC_ERROR_MEMORY) return yci_out_of_memory(w->c, "the rest shape of a knit");
+            if (result != YC_OK) continue;
+            yc_chol_solve(w->chol, w->ahead, 1, w->n);
+            for (i = 0, far = slope = 0.0; i < w->n; i++)
+                far = yci_max(far, fabs(w->ahead[i])), slope += w->g[i] * w->ahead[i];
+            far = yci_min(1.0, 0.3 * w->segment / far);
+            for (i = 0; i < w->n; i++) w->ahead[i] = w->x[i] + far * w->ahead[i];
+            next = yci_rest_energy(w, w->ahead, NULL);
+            if (next <= energy + 1e-4 * far * slope + 1e-13 * energy) break;
+        }
+        if (tries == 60) break;
+        memcpy(w->x, w->ahead, (size_t)w->n * sizeof *w->x);
+        shift = yci_max(0.1 * shift, least);
+    }
+    return YCI_FAIL(w->c, YC_ERROR_DIVERGED, "the rest shape of the knit is not found in %d steps", w->newton);
+}
+
+/* Writes down what was found: bases move as their nodes do. */
+static void yci_rest_keep(yci_rest *w) {
+    const yci_knitter *k = &w->k;
+    double grown[2];
+    int i, n, f;
+    for (f = 0; f < 2; f++) w->cell.size[f] = w->x[w->n - 2 + f], grown[f] = w->cell.size[f] / w->laid[f];
+    for (i = 0; i < w->places; i++) {
+        yci_cell_loop *at = w->cell.loops + i;
+        const yci_knit_loop *loop = k->loops + w->loop[i];
+        int count;
+        at->old_count = -1;
+        if (w->loop[i] < 0) continue;
+        at->old_count = loop->old_count, at->twist = loop->twist, count = (loop->old_count ? 4 : 0) + loop->twist;
+        for (f = 0; f < 2; f++) {
+            at->x[f] = grown[f] * loop->x[f];
+            for (n = 0; n < count; n++)
+                at->x[f] += (w->x[2 * (w->node[i] + n) + f] - grown[f] * k->place[loop->node + n][f]) / count;
+            for (n = 0; n < count; n++) at->place[n][f] = w->x[2 * (w->node[i] + n) + f] - at->x[f];
+        }
+    }
+    memcpy(w->block + YCI_CELL, &w->cell, sizeof w->cell);
+}
+
+static void yci_rest_close(yci_rest *w) {
+    yci_context *c = w->c;
+    yc_chol_destroy(w->chol);
+    yci_knit_free(&w->k);
+    yci_free(c, w->block), yci_free(c, w->loop), yci_free(c, w->node_loop), yci_free(c, w->first);
+    yci_free(c, w->parts), yci_free(c, w->row_length), yci_free(c, w->x);
+    yci_free(c, w->ptr), yci_free(c, w->col), yci_free(c, w->values);
+}
+
+/* Makes ready to relax the repeat of the chart in `d`; *periodic 0 where there is none. The caller closes it. */
+static yc_result yci_rest_open(yci_rest *w, yci_context *c, yc_knit_desc *d, int *periodic) {
+    yc_result result;
+    memset(w, 0, sizeof *w);
+    w->c = w->k.c = c, *periodic = 1;
+    result = yci_rest_sample(w, d);
+    if (result == YC_OK) result = yci_rest_number(w);
+    if (result != YC_OK) return result;
+    w->parts = YCI_NEW(c, yci_rest_part, w->visit_count), w->row_length = YCI_NEW(c, double, w->cell.rows);
+    w->n = 2 * w->node_count + w->visit_count + 2;
+    w->x = YCI_NEW(c, double, 3 * (size_t)w->n);
+    if (!w->parts || !w->row_length || !w->x) return yci_out_of_memory(c, "the rest shape of a knit");
+    w->ahead = w->x + w->n, w->g = w->ahead + w->n;
+    *periodic = yci_rest_parts(w);
+    if (!*periodic) return YC_OK;
+    yci_rest_begin(w);
+    result = yci_rest_pattern(w);
+    if (result == YC_OK && yc_chol_analyze(&c->host, w->n, w->ptr, w->col, NULL, &w->chol) != YC_OK)
+        result = yci_out_of_memory(c, "the rest shape of a knit");
+    return result;
+}
+
+YC_API yc_result yc_knit_relax(const yc_host *host, const yc_knit_desc *desc, yc_knit_rest *out, char *message) {
+    yci_context c;
+    yc_knit_desc d;
+    yci_rest w;
+    int periodic = 0;
+    yc_result result = yci_context_init(&c, host);
+    memset(&w, 0, sizeof w), w.c = w.k.c = &c;
+    if (result == YC_OK && (!desc || !out)) result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "desc and out must not be NULL");
     if (result == YC_OK) {
-        for (i = 0; i < 2; i++) out.scale[i] = yci_rest_scale(y, (const double(*)[3])x, i);
-        yci_rest_take(y, (const double(*)[3])x);
-        if (rest) *rest = out;
+        d = *desc, d.mesh = NULL, d.rest = NULL, d.stitches = d.rows = d.live = 1;
+        result = yci_knit_check(&c, &d);
     }
-    yc_scene_destroy(s);
-    yci_free(&c, x);
+    if (result == YC_OK) result = yci_rest_open(&w, &c, &d, &periodic);
+    if (result == YC_OK && !periodic) {
+        yci_rest_close(&w);
+        d.chart = NULL, d.round = 0;
+        result = yci_rest_open(&w, &c, &d, &periodic);
+    }
+    if (result == YC_OK) result = yci_rest_solve(&w);
+    if (result == YC_OK) {
+        yci_rest_keep(&w);
+        out->stitches = w.cell.period[w.cell.rows - 1], out->rows = w.cell.rows;
+        out->wales = out->stitches / w.cell.size[0], out->courses = out->rows / w.cell.size[1];
+        out->scale[0] = d.wales / out->wales, out->scale[1] = d.courses / out->courses;
+        out->loop = w.loop_length, out->newton = w.newton, out->owner = w.block, w.block = NULL;
+    }
+    yci_rest_close(&w);
+    c.message[0] = result == YC_OK ? 0 : c.message[0]; /* what was tried may have left one */
+    if (result == YC_OK) memcpy(out->owner, &c, sizeof c);
     return yci_report(&c, result, message);
+}
+
+YC_API void yc_knit_rest_destroy(yc_knit_rest *rest) {
+    if (rest && rest->owner) yci_owned_free(rest->owner), memset(rest, 0, sizeof *rest);
 }
 
 /* =====================================================================================================================

@@ -10,8 +10,8 @@
  * unravel garter that is not bound off; its end is drawn off sideways, and it comes undone loop by loop (YARN, Fig. 13)
  * piece   the sleeve of a T-shirt, cut from stockinette and sewn up: its yarns end at the outline, or in the rod of the
  *         seam; edges that hang free roll up
- * All but the last are cast on and worked with one yarn of wool; the first four are bound off, are given their rest
- * shape, and then let their contacts unwrap. Each prints a line and writes out/knit-NAME.png, as seen from the right
+ * All but the last are cast on and worked with one yarn of wool; the first four are bound off. All but unravel are laid in
+ * their rest shape, and then let their contacts unwrap. Each prints a line and writes out/knit-NAME.png, as seen from the right
  * side. Weight is left out. */
 #include "common/ex_obj.h"
 #include "common/ex_yarns.h"
@@ -166,6 +166,7 @@ static int cut_piece(void) {
     yc_scene_desc settings = yc_scene_desc_default();
     yc_cloth_desc cloth = yc_cloth_desc_default();
     yc_scene *scene = NULL;
+    yc_knit_rest rest;
     yc_yarns y;
     yc_result result;
     double(*colors)[3] = NULL, seconds = 0.0;
@@ -174,11 +175,13 @@ static int cut_piece(void) {
         fprintf(stderr, "knit: piece: %s\n", why);
         return 0;
     }
-    memset(&y, 0, sizeof y);
+    memset(&y, 0, sizeof y), memset(&rest, 0, sizeof rest);
     wool.fibre = YC_FIBRE_WOOL, wool.tex = 1500.0;
     d.mesh = &mesh->mesh, d.wales = 120.0, d.courses = 160.0;
     result = yc_yarn_material_make(&wool, &d.yarn, why);
     d.rod = d.yarn;
+    if (result == YC_OK) result = yc_knit_relax(NULL, &d, &rest, why);
+    d.rest = &rest;
     if (result == YC_OK) result = yc_knit(NULL, &d, &y, why);
     if (result == YC_OK) result = yc_scene_create(NULL, &settings, &scene, why);
     if (result == YC_OK) {
@@ -213,7 +216,7 @@ static int cut_piece(void) {
     }
     if (why[0]) fprintf(stderr, "knit: piece: %s\n", why);
     yc_scene_destroy(scene);
-    yc_yarns_destroy(&y);
+    yc_knit_rest_destroy(&rest), yc_yarns_destroy(&y);
     free(colors), scene_piece_free(mesh);
     return !why[0];
 }

@@ -20,43 +20,6 @@ static int settled(const char *rows, int stitches, int row_count, int held, int 
     return 1;
 }
 
-TEST(knit_relaxes_into_its_rest_shape) {
-    yc_knit_desc d = yc_knit_desc_default();
-    yc_yarns y;
-    yc_knit_rest rest;
-    char why[YC_MESSAGE_SIZE];
-    double largest = 0.0, sum = 0.0, length, shortest;
-    int i, k;
-    d.stitches = 8, d.rows = 8;
-    if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
-    length = y.visit_u[y.visit_count - 1];
-    CHECK_RESULT(yc_knit_relax(NULL, &y, &rest, why), YC_OK);
-    for (k = 1; k < y.visit_count; k++) {
-        const double *a = y.layout[y.visit_node[k - 1]], *b = y.layout[y.visit_node[k]];
-        CHECK_NEAR(y.visit_u[k] - y.visit_u[k - 1], hypot(b[0] - a[0], b[1] - a[1]), 1e-12);
-        largest = fmax(largest, y.visit_turn[k]), sum += y.visit_turn[k];
-    }
-    for (k = 1, shortest = length; k < y.visit_count; k++) /* in the middle loops lie side by side, no closer */
-        if (y.visit_layer[k - 1] && y.visit_layer[k] &&
-            fabs(y.layout[y.visit_node[k]][0] - 3.5 / d.wales) < 2.0 / d.wales &&
-            fabs(y.layout[y.visit_node[k]][1] - 4.5 / d.courses) < 2.0 / d.courses)
-            shortest = fmin(shortest, y.visit_u[k] - y.visit_u[k - 1]);
-    CHECK(shortest > 1.8 * d.yarn.radius && shortest < 0.3 / d.wales);
-    for (i = 0; i < y.node_count; i++) CHECK_NEAR(y.layout[i][2], 0.0, 0.0);
-    CHECK_NEAR(y.visit_u[y.visit_count - 1], length, 1e-3 * length); /* the yarn is as long as it was */
-    CHECK(rest.scale[0] > 0.9 && rest.scale[0] < 1.1 && rest.scale[1] > 0.9 && rest.scale[1] < 1.1);
-    CHECK(largest < 100.0 * degree && sum / y.visit_count > 20.0 * degree);
-    CHECK_RESULT(yc_knit_relax(NULL, &y, &rest, why), YC_OK); /* again, from its own rest */
-    CHECK(rest.scale[0] > 0.99 && rest.scale[0] < 1.01 && rest.scale[1] > 0.99 && rest.scale[1] < 1.01);
-    y.layout[3][2] = 1e-3;
-    CHECK_RESULT(yc_knit_relax(NULL, &y, NULL, why), YC_ERROR_ARGUMENT);
-    CHECK_TEXT(why, "yarns.layout[3][2] = 0.001: only a flat knit settles on a table");
-    y.layout[3][2] = 0.0, y.visit_turn = NULL;
-    CHECK_RESULT(yc_knit_relax(NULL, &y, NULL, why), YC_ERROR_ARGUMENT);
-    CHECK_TEXT(why, "yarns must be a knit, with visit_turn");
-    yc_yarns_destroy(&y);
-}
-
 /* Sides towards the purl side, ends towards the knit side, and there it stays: its sides lie on it. Four loops of the
  * middle are held, since a piece this small would roll up into two scrolls, side by side. */
 TEST(knit_stockinette_curls) {

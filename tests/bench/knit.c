@@ -2,7 +2,8 @@
  *
  *   bench-knit [--quick] [curl | rib | munden | lace | stretch | cost ...]     only these parts
  *
- * Swatches are cast on, relaxed flat and left to themselves as tests/scenes/knits.h says; shares are of what lies flat.
+ * Swatches are cast on in the rest shape of their chart's repeat and left to themselves as tests/scenes/knits.h says;
+ * shares are of what lies flat.
  *   curl     stockinette turns by more than 30 degrees towards the purl side at its sides and towards the knit side at
  *            its ends, while the middle half turns by less than 30; garter by less than 15 everywhere.
  *            Four loops of the middle are held, and both have come to rest, by r/20 in 10 periods of a stitch: held

@@ -28,6 +28,7 @@ static const double pi = 3.14159265358979323846;
 void scene_knit_free(scene_knit *k) {
     if (!k) return;
     yc_scene_destroy(k->scene), yc_yarns_destroy(&k->yarns), yc_chart_destroy(&k->chart);
+    yc_knit_rest_destroy(&k->rest);
     free(k->start), free(k->x), free(k);
 }
 
@@ -85,8 +86,9 @@ static scene_knit *make(
     if (yarn) k->desc.yarn = *yarn;
     result = yc_chart_read(NULL, rows, strlen(rows), NULL, &k->chart, message);
     k->desc.chart = &k->chart;
+    if (result == YC_OK) result = yc_knit_relax(NULL, &k->desc, &k->rest, message);
+    k->desc.rest = &k->rest;
     if (result == YC_OK) result = yc_knit(NULL, &k->desc, &k->yarns, message);
-    if (result == YC_OK) result = yc_knit_relax(NULL, &k->yarns, &k->rest, message);
     if (result == YC_OK) result = begin(k, message);
     if (result == YC_OK) return k;
     scene_knit_free(k);
@@ -236,21 +238,26 @@ scene_curtain *scene_curtain_new(
     scene_curtain *c = (scene_curtain *)calloc(1, sizeof *c);
     yc_cloth_desc cloth = yc_cloth_desc_default();
     yc_knit_desc d = *desc;
+    yc_knit_rest rest;
     double high = -HUGE_VAL;
     int i;
     yc_result result;
     if (!c) return NULL;
+    memset(&rest, 0, sizeof rest);
     result = yc_chart_read(NULL, rows, strlen(rows), NULL, &c->chart, message);
     d.chart = &c->chart, cloth.yarns = &c->yarns;
+    if (result == YC_OK) result = yc_knit_relax(NULL, &d, &rest, message);
+    d.rest = &rest;
     if (result == YC_OK) result = yc_knit(NULL, &d, &c->yarns, message);
-    if (result == YC_OK) set_turns(&c->yarns), result = yc_scene_create(host, settings, &c->scene, message);
+    if (result == YC_OK) result = yc_scene_create(host, settings, &c->scene, message);
     if (result == YC_OK) {
         result = yc_scene_add_cloth(c->scene, &cloth, NULL);
         for (i = 0; i < c->yarns.node_count; i++) high = fmax(high, c->yarns.layout[i][1]);
         for (i = 0; i < c->yarns.node_count && result == YC_OK; i++)
-            if (c->yarns.layout[i][1] > high - 0.5 / d.courses) result = yc_scene_pin(c->scene, 0, YC_NODE, i, NULL);
+            if (c->yarns.layout[i][1] > high - 0.5 / rest.courses) result = yc_scene_pin(c->scene, 0, YC_NODE, i, NULL);
         if (result != YC_OK && message) snprintf(message, YC_MESSAGE_SIZE, "%s", yc_scene_message(c->scene));
     }
+    yc_knit_rest_destroy(&rest);
     if (result == YC_OK) return c;
     scene_curtain_free(c);
     return NULL;

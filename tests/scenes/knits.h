@@ -84,7 +84,7 @@ yc_result scene_unravel_pull(scene_unravel *u, double distance, double seconds, 
 void scene_unravel_free(scene_unravel *u);
 
 /* kc, kw and ks of Munden (1959): courses, wales per length and loops per area times the yarn in a loop, to the powers
- * 1, 1 and 2, of a piece that yc_knit_relax has settled; the yarn is that of whole loops in the middle third. */
+ * 1, 1 and 2, of a piece in its rest shape; the yarn is that of whole loops in the middle third. */
 typedef struct scene_knit_munden {
     double kc, kw, ks, loop; /* loop: m */
 } scene_knit_munden;
