@@ -14976,7 +14976,10 @@ static void yci_build_tail(const yci_build *b, int yarn, int lone, int slider, y
     if (b->cloth->desc.hold_network || (end && y->visit_held[lone] > 1)) return;
     e->limit = YCI_TAIL * b->cloth->pitch[y->yarn_family[yarn]];
     e->floor = 0.2 * e->limit;
-    if (b->cloth->knit && !end) e->floor = 0.5 * YCI_NOTHING * b->cloth->pitch[y->yarn_family[yarn]];
+    if (b->cloth->knit && !end) /* used up as fast as it likes, the yarn goes on behind it; of so little a soft floor
+                                   would leave too little for the matrix's factor */
+        e->floor = 0.5 * YCI_NOTHING * b->cloth->pitch[y->yarn_family[yarn]], e->hardness /= YCI_HARDNESS,
+        e->limit = 0.0;
     if (b->cloth->knit || b->m->held[node] || yci_is_sewn(b->s, node)) return;
     if (end || (yci_build_full(b, lone - 1) && yci_build_full(b, lone + 1))) e->drop = b->cloth->visit + goes;
 }
@@ -17304,15 +17307,16 @@ static void yci_anchors(yc_scene *s) {
     }
 }
 
-/* Whether a sub-step has taken most of a segment's length at once, down to its floor: then more of a yarn has gone than
- * there was before its end, or Newton has found a minimum far off. */
+/* Whether a sub-step has taken most of a segment's length at once, down to its floor, where an event follows: then more
+ * of a yarn has gone than there was before its end, or Newton has found a minimum far off. Elsewhere a segment between
+ * crossings that slide freely may well go down to its floor, as fast as sound: no sub-step would be short enough. */
 static int yci_overrun(const yc_scene *s) {
     const yci_model *m = s->model;
     int i, found = 0;
     for (i = 0; i < m->adjacent_count && !found; i++) {
         const yci_adjacent *e = m->adjacent + i;
         double du = s->u[e->b] - s->u[e->a], before = s->u_n[e->b] - s->u_n[e->a];
-        found = du < e->floor && du < 0.25 * before;
+        found = e->limit > 0.0 && du < e->floor && du < 0.25 * before;
     }
     return found;
 }
