@@ -10525,7 +10525,8 @@ YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns
  *
  * Stiffness damping: each elastic element has a strain s (the _strain functions) and adds (1/2) E'' r (s - s_prev)^2,
  * E'' the stiffness by s without jamming, r = beta/h (0: off), s_prev the strain at the step's start. Strains are
- * invariant, so rigid motion is undamped exactly. The turning angle has no sign: a node that snaps through straight to
+ * invariant, so rigid motion is undamped exactly. Wrapping has three: the two cosines of its tails to the axis and
+ * s_p s_q sin(psi - psi_0), with the stiffness k L of its energy near rest. The turning angle has no sign: a node that snaps through straight to
  * the mirrored bend is not damped.
  *
  * Compression (YARN 4.3, eq. 3): the force of each yarn at a crossing comes from its own stretch and bending with the
@@ -11050,6 +11051,51 @@ YC_FN double yci_yarn_wrap(const double *q, double k, double psi_0, double *g, d
         }
     }
     return 0.5 * k * (yci_dot(gap, gap) + alpha * alpha + beta * beta);
+}
+
+/* What damping of wrapping watches: s_p s_q sin(psi - psi_0) and the cosines of both tails' angles to the axis. Near
+ * rest the energy is k/2 times the sum of their squares. */
+YC_FN void yci_yarn_wrap_strain(const double *q, double psi_0, double *strain) {
+    double x_axis[3] = {1.0, 0.0, 0.0}, e[3], a[3], b[3], m[3], c = cos(psi_0), s = sin(psi_0);
+    yci_sub(e, q + 3, q), yci_sub(a, q + 6, q), yci_sub(b, q + 9, q + 3);
+    yci_normalize(e, x_axis), yci_normalize(a, x_axis), yci_normalize(b, x_axis);
+    yci_cross(m, a, b);
+    strain[1] = yci_dot(a, e), strain[2] = yci_dot(b, e);
+    strain[0] = c * yci_dot(e, m) + s * (yci_dot(a, b) - strain[1] * strain[2]);
+}
+
+/* Adds the damping, (1/2) k r |strain - previous|^2, to an element's gradient and Hessian, which may be NULL; of its own
+ * Hessian the semidefinite part. */
+YC_FN double yci_yarn_wrap_damp(const double *q, double k, double psi_0, const double *previous, double *g, double *h) {
+    static const int from[3] = {0, 0, 1}, to[3] = {1, 2, 3};
+    double x_axis[3] = {1.0, 0.0, 0.0}, unit[3][3], inverse[3], strain[3], slope[3][3][3], row[3][12], m[3];
+    double c = cos(psi_0), s = sin(psi_0), *e = unit[0], *a = unit[1], *b = unit[2], energy = 0.0;
+    yci_yarn_wrap_strain(q, psi_0, strain);
+    for (int i = 0; i < 3; i++) {
+        yci_sub(unit[i], q + 3 * to[i], q + 3 * from[i]);
+        inverse[i] = 1.0 / yci_max(yci_normalize(unit[i], x_axis), YCI_YARN_SHORTEST);
+    }
+    yci_zero(&slope[0][0][0], 27), yci_zero(&row[0][0], 36);
+    yci_cross(m, a, b), yci_axpy(slope[0][0], c, m);
+    yci_axpy(slope[0][0], -s * strain[2], a), yci_axpy(slope[0][0], -s * strain[1], b);
+    yci_cross(m, b, e), yci_axpy(slope[0][1], c, m);
+    yci_axpy(slope[0][1], s, b), yci_axpy(slope[0][1], -s * strain[2], e);
+    yci_cross(m, e, a), yci_axpy(slope[0][2], c, m);
+    yci_axpy(slope[0][2], s, a), yci_axpy(slope[0][2], -s * strain[1], e);
+    yci_copy(slope[1][0], a), yci_copy(slope[1][1], e);
+    yci_copy(slope[2][0], b), yci_copy(slope[2][2], e);
+    for (int p = 0; p < 3; p++) {
+        double rate = strain[p] - previous[p];
+        energy += 0.5 * k * rate * rate;
+        for (int i = 0; i < 3; i++) {
+            yci_axpy(slope[p][i], -yci_dot(slope[p][i], unit[i]), unit[i]);
+            yci_axpy(row[p] + 3 * to[i], inverse[i], slope[p][i]);
+            yci_axpy(row[p] + 3 * from[i], -inverse[i], slope[p][i]);
+        }
+        for (int i = 0; i < 12 && g; i++) g[i] += k * rate * row[p][i];
+        for (int i = 0; i < 144 && h; i++) h[i] += k * row[p][i / 12] * row[p][i % 12];
+    }
+    return energy;
 }
 
 /* -- compression --------------------------------------------------------------------------------------------------- */
@@ -13744,7 +13790,7 @@ static yc_result yci_system_factor(yci_system *s) {
  * buckles. Every segment has a floor under its length; outside of stitch contacts its ends resist, by k_c, when they
  * come closer than two yarns that lie side by side. A stack has one normal; its yarns press each other by stretch,
  * bending and wrapping. The new loop of a stack and the old one next to it are anchored each by itself, further old
- * ones by what they slide past their neighbour. Wrapping has no stiffness damping. What comes undone is listed with
+ * ones by what they slide past their neighbour. What comes undone is listed with
  * the model, see yci_due: a persistent contact ends when the yarn that keeps it has gone (YARN 5.2.4), and a node of n
  * yarns becomes up to n nodes of one, in the same place. A knit that has lost all its contacts stays one.
  *
@@ -13847,7 +13893,7 @@ typedef struct yci_due {
  */
 typedef struct yci_wrap {
     int a, b, p, q;
-    double stiffness, rest;
+    double stiffness, rest, previous[3];
 } yci_wrap;
 /* The yarn in a stitch contact. */
 typedef struct yci_length {
@@ -16256,6 +16302,7 @@ static void yci_eval_form(const yc_scene *s, int kind, int i, int mode, int proj
         const yci_wrap *e = m->wrap + i;
         yci_local_wrap(s, out, q, e);
         out->energy = yci_yarn_wrap(q, e->stiffness, e->rest, g, h, projected);
+        if (m->rate > 0.0) out->energy += yci_yarn_wrap_damp(q, m->rate * e->stiffness, e->rest, e->previous, g, h);
         break;
     }
     case YCI_LENGTH: {
@@ -17045,6 +17092,10 @@ static void yci_strains(yc_scene *s) {
     for (i = 0; i < m->kink_count; i++) {
         yci_local_kink(s, &out, q, &m->kink[i].a);
         m->kink[i].previous = yci_yarn_kink_strain(q);
+    }
+    for (i = 0; i < m->wrap_count; i++) {
+        yci_local_wrap(s, &out, q, m->wrap + i);
+        yci_yarn_wrap_strain(q, m->wrap[i].rest, m->wrap[i].previous);
     }
     for (i = 0; i < m->flatten_count; i++) {
         yci_local_flatten(s, &out, q, m->flatten + i);
