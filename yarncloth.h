@@ -719,6 +719,12 @@ YC_API yc_knit_desc yc_knit_desc_default(void);
  * then *out is untouched. */
 YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
 
+/* Sets loop, wales and courses to those of plain knitting of desc's yarn that is as tight as that: tightness is the
+ * square root of the yarn's tex by the cm of yarn in a stitch, 12 (loose) to 18 by machine, normally 14 to 16, about 11
+ * by hand; courses are 5.0 and wales 3.8 by the length of a loop (dry-relaxed fabric, Munden 1959).
+ * desc  not NULL; tightness  > 0; message  NULL or YC_MESSAGE_SIZE bytes. Errors: ARGUMENT, desc is untouched then. */
+YC_API yc_result yc_knit_tightness(yc_knit_desc *desc, double tightness, char *message);
+
 /* Knits. The network's layout is seen from the right side, the cast-on at the bottom (z = 0; in the round a tube about
  * the y axis, outward from it): loops are moved, by springs between neighbours, to where their stitches want to be, so
  * that decreases slant and yarn-overs open holes. Every place where a loop is drawn through k >= 1 older ones has four
@@ -9311,6 +9317,21 @@ YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out) {
     out->wales = fabric.wales, out->courses = fabric.courses, out->loop = fabric.loop;
     out->yarn = out->rod = fabric.yarn, out->rod.density *= 2.0;
     return YC_OK;
+}
+
+YC_API yc_result yc_knit_tightness(yc_knit_desc *desc, double tightness, char *message) {
+    yci_context c;
+    yc_result result = yci_context_init(&c, NULL);
+    if (!desc || desc->cookie != YCI_DESC_COOKIE)
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "desc must be made by yc_knit_desc_default()");
+    if (result == YC_OK) result = yci_yarn_material_check(&c, "knit.yarn", &desc->yarn);
+    if (result == YC_OK && !(tightness > 0.0 && yci_finite(tightness)))
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "tightness = %g must be greater than 0 and finite", tightness);
+    if (result == YC_OK) {
+        desc->loop = 0.01 * sqrt(1e6 * desc->yarn.density) / tightness;
+        desc->wales = 3.8 / desc->loop, desc->courses = 5.0 / desc->loop;
+    }
+    return yci_report(&c, result, message);
 }
 
 static yc_result yci_knit_check_chart(yci_context *c, const yc_chart *chart) {

@@ -287,3 +287,30 @@ TEST(knit_extremes_outside) {
             if (!CHECK(!strncmp(why, start, strlen(start)))) printf("   %s, not %s\n", why, start);
         }
 }
+
+/* As tight as fabrics with names are, within what single ones differ by; and laid out so. */
+TEST(knit_tightness) {
+    static const yc_fabric_name names[4] = {YC_FABRIC_JERSEY, YC_FABRIC_RIB, YC_FABRIC_STOCKINETTE, YC_FABRIC_SWEATER};
+    static const double tightness[4] = {16.0, 15.3, 11.0, 13.0};
+    char why[YC_MESSAGE_SIZE] = "";
+    yc_knit_desc d, named;
+    yc_yarns y;
+    int i;
+    for (i = 0; i < 4; i++) {
+        CHECK_RESULT(yc_knit_fabric(names[i], &named), YC_OK);
+        d = named;
+        CHECK_RESULT(yc_knit_tightness(&d, tightness[i], why), YC_OK);
+        CHECK_NEAR(d.loop / named.loop, 1.0, 0.01);
+        CHECK_NEAR(d.wales / named.wales, 1.0, 0.12), CHECK_NEAR(d.courses / named.courses, 1.0, 0.15);
+        d.stitches = d.rows = 6;
+        if (CHECK_RESULT(yc_knit(NULL, &d, &y, why), YC_OK)) yc_yarns_destroy(&y);
+    }
+    named = d;
+    CHECK_RESULT(yc_knit_tightness(&d, 0.0, why), YC_ERROR_ARGUMENT);
+    CHECK_TEXT(why, "tightness = 0 must be greater than 0 and finite");
+    CHECK_RESULT(yc_knit_tightness(&d, HUGE_VAL, why), YC_ERROR_ARGUMENT);
+    d.yarn.density = -1.0;
+    CHECK_RESULT(yc_knit_tightness(&d, 14.0, why), YC_ERROR_ARGUMENT);
+    CHECK_RESULT(yc_knit_tightness(NULL, 14.0, why), YC_ERROR_ARGUMENT);
+    CHECK(d.loop == named.loop && d.wales == named.wales);
+}
