@@ -725,6 +725,12 @@ YC_API yc_knit_desc yc_knit_desc_default(void);
  * then *out is untouched. */
 YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out);
 
+/* Sets loop, wales and courses to those of plain knitting of desc's yarn that is as tight as that: tightness is the
+ * square root of the yarn's tex by the cm of yarn in a stitch, 12 (loose) to 18 by machine, normally 14 to 16, about 11
+ * by hand; courses are 5.0 and wales 3.8 by the length of a loop (dry-relaxed fabric, Munden 1959).
+ * desc  not NULL; tightness  > 0; message  NULL or YC_MESSAGE_SIZE bytes. Errors: ARGUMENT, desc is untouched then. */
+YC_API yc_result yc_knit_tightness(yc_knit_desc *desc, double tightness, char *message);
+
 /* The rest shape of a knit: that of its chart's smallest repeat. */
 typedef struct yc_knit_rest {
     double wales, courses; /* per m: the relaxed gauge; what was asked for over `scale` */
@@ -9428,6 +9434,21 @@ YC_API yc_result yc_knit_fabric(yc_fabric_name name, yc_knit_desc *out) {
     return YC_OK;
 }
 
+YC_API yc_result yc_knit_tightness(yc_knit_desc *desc, double tightness, char *message) {
+    yci_context c;
+    yc_result result = yci_context_init(&c, NULL);
+    if (!desc || desc->cookie != YCI_DESC_COOKIE)
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "desc must be made by yc_knit_desc_default()");
+    if (result == YC_OK) result = yci_yarn_material_check(&c, "knit.yarn", &desc->yarn);
+    if (result == YC_OK && !(tightness > 0.0 && yci_finite(tightness)))
+        result = YCI_FAIL(&c, YC_ERROR_ARGUMENT, "tightness = %g must be greater than 0 and finite", tightness);
+    if (result == YC_OK) {
+        desc->loop = 0.01 * sqrt(1e6 * desc->yarn.density) / tightness;
+        desc->wales = 3.8 / desc->loop, desc->courses = 5.0 / desc->loop;
+    }
+    return yci_report(&c, result, message);
+}
+
 static yc_result yci_knit_check_chart(yci_context *c, const yc_chart *chart) {
     yc_result result = yci_draft_range(c, "chart.row_count", chart->row_count, 1, YCI_CHART_ROWS);
     int i;
@@ -10730,7 +10751,8 @@ YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns
  *
  * Stiffness damping: each elastic element has a strain s (the _strain functions) and adds (1/2) E'' r (s - s_prev)^2,
  * E'' the stiffness by s without jamming, r = beta/h (0: off), s_prev the strain at the step's start. Strains are
- * invariant, so rigid motion is undamped exactly. The turning angle has no sign: a node that snaps through straight to
+ * invariant, so rigid motion is undamped exactly. Wrapping has three: the two cosines of its tails to the axis and
+ * s_p s_q sin(psi - psi_0), with the stiffness k L of its energy near rest. The turning angle has no sign: a node that snaps through straight to
  * the mirrored bend is not damped.
  *
  * Compression (YARN 4.3, eq. 3): the force of each yarn at a crossing comes from its own stretch and bending with the
@@ -11256,6 +11278,51 @@ YC_FN double yci_yarn_wrap(const double *q, double k, double psi_0, double *g, d
         }
     }
     return 0.5 * k * (yci_dot(gap, gap) + alpha * alpha + beta * beta);
+}
+
+/* What damping of wrapping watches: s_p s_q sin(psi - psi_0) and the cosines of both tails' angles to the axis. Near
+ * rest the energy is k/2 times the sum of their squares. */
+YC_FN void yci_yarn_wrap_strain(const double *q, double psi_0, double *strain) {
+    double x_axis[3] = {1.0, 0.0, 0.0}, e[3], a[3], b[3], m[3], c = cos(psi_0), s = sin(psi_0);
+    yci_sub(e, q + 3, q), yci_sub(a, q + 6, q), yci_sub(b, q + 9, q + 3);
+    yci_normalize(e, x_axis), yci_normalize(a, x_axis), yci_normalize(b, x_axis);
+    yci_cross(m, a, b);
+    strain[1] = yci_dot(a, e), strain[2] = yci_dot(b, e);
+    strain[0] = c * yci_dot(e, m) + s * (yci_dot(a, b) - strain[1] * strain[2]);
+}
+
+/* Adds the damping, (1/2) k r |strain - previous|^2, to an element's gradient and Hessian, which may be NULL; of its own
+ * Hessian the semidefinite part. */
+YC_FN double yci_yarn_wrap_damp(const double *q, double k, double psi_0, const double *previous, double *g, double *h) {
+    static const int from[3] = {0, 0, 1}, to[3] = {1, 2, 3};
+    double x_axis[3] = {1.0, 0.0, 0.0}, unit[3][3], inverse[3], strain[3], slope[3][3][3], row[3][12], m[3];
+    double c = cos(psi_0), s = sin(psi_0), *e = unit[0], *a = unit[1], *b = unit[2], energy = 0.0;
+    yci_yarn_wrap_strain(q, psi_0, strain);
+    for (int i = 0; i < 3; i++) {
+        yci_sub(unit[i], q + 3 * to[i], q + 3 * from[i]);
+        inverse[i] = 1.0 / yci_max(yci_normalize(unit[i], x_axis), YCI_YARN_SHORTEST);
+    }
+    yci_zero(&slope[0][0][0], 27), yci_zero(&row[0][0], 36);
+    yci_cross(m, a, b), yci_axpy(slope[0][0], c, m);
+    yci_axpy(slope[0][0], -s * strain[2], a), yci_axpy(slope[0][0], -s * strain[1], b);
+    yci_cross(m, b, e), yci_axpy(slope[0][1], c, m);
+    yci_axpy(slope[0][1], s, b), yci_axpy(slope[0][1], -s * strain[2], e);
+    yci_cross(m, e, a), yci_axpy(slope[0][2], c, m);
+    yci_axpy(slope[0][2], s, a), yci_axpy(slope[0][2], -s * strain[1], e);
+    yci_copy(slope[1][0], a), yci_copy(slope[1][1], e);
+    yci_copy(slope[2][0], b), yci_copy(slope[2][2], e);
+    for (int p = 0; p < 3; p++) {
+        double rate = strain[p] - previous[p];
+        energy += 0.5 * k * rate * rate;
+        for (int i = 0; i < 3; i++) {
+            yci_axpy(slope[p][i], -yci_dot(slope[p][i], unit[i]), unit[i]);
+            yci_axpy(row[p] + 3 * to[i], inverse[i], slope[p][i]);
+            yci_axpy(row[p] + 3 * from[i], -inverse[i], slope[p][i]);
+        }
+        for (int i = 0; i < 12 && g; i++) g[i] += k * rate * row[p][i];
+        for (int i = 0; i < 144 && h; i++) h[i] += k * row[p][i / 12] * row[p][i % 12];
+    }
+    return energy;
 }
 
 /* -- compression --------------------------------------------------------------------------------------------------- */
@@ -13957,12 +14024,12 @@ static yc_result yci_system_factor(yci_system *s) {
  * old leg below A with the new one above B and the new foot at A with the old head at B, each at rest a quarter turn
  * from flat, and keeps its length of yarn; nothing turns or shears there. Yarn turns by visit_turn at rest, and jams
  * when it turns by more than a right angle and than that: a piece whose yarn would rather be straight has a moment in
- * every loop and buckles. Every segment has a floor under its length; outside of stitch contacts its ends resist, by k_c, when they
- * come closer than two yarns that lie side by side. A stack has one normal; its yarns press each other by stretch,
- * bending and wrapping. The new loop of a stack and the old one next to it are anchored each by itself, further old
- * ones by what they slide past their neighbour. Wrapping has no stiffness damping. What comes undone is listed with
- * the model, see yci_due: a persistent contact ends when the yarn that keeps it has gone (YARN 5.2.4), and a node of n
- * yarns becomes up to n nodes of one, in the same place. A knit that has lost all its contacts stays one.
+ * every loop and buckles. Every segment has a floor under its length; outside of stitch contacts its ends resist, by
+ * k_c, when they come closer than two yarns that lie side by side. A stack has one normal; its yarns press each other
+ * by stretch, bending and wrapping. The new loop of a stack and the old one next to it are anchored each by itself,
+ * further old ones by what they slide past their neighbour. What comes undone is listed with the model, see yci_due: a
+ * persistent contact ends when the yarn that keeps it has gone (YARN 5.2.4), and a node of n yarns becomes up to n
+ * nodes of one, in the same place. A knit that has lost all its contacts stays one.
  *
  * Rest shapes of knits (YARN 4.1). Not in a scene: a repeat of the chart is its own neighbour, its width and height are
  * two more unknowns, and Newton's method finds where bending of straight yarn, jamming, stretch, stitch length and the
@@ -14069,7 +14136,7 @@ typedef struct yci_due {
  */
 typedef struct yci_wrap {
     int a, b, p, q;
-    double stiffness, rest;
+    double stiffness, rest, previous[3];
 } yci_wrap;
 /* The yarn in a stitch contact. */
 typedef struct yci_length {
@@ -15205,7 +15272,10 @@ static void yci_build_tail(const yci_build *b, int yarn, int lone, int slider, y
     if (b->cloth->desc.hold_network || (end && y->visit_held[lone] > 1)) return;
     e->limit = YCI_TAIL * b->cloth->pitch[y->yarn_family[yarn]];
     e->floor = 0.2 * e->limit;
-    if (b->cloth->knit && !end) e->floor = 0.5 * YCI_NOTHING * b->cloth->pitch[y->yarn_family[yarn]];
+    if (b->cloth->knit && !end) /* used up as fast as it likes, the yarn goes on behind it; of so little a soft floor
+                                   would leave too little for the matrix's factor */
+        e->floor = 0.5 * YCI_NOTHING * b->cloth->pitch[y->yarn_family[yarn]], e->hardness /= YCI_HARDNESS,
+        e->limit = 0.0;
     if (b->cloth->knit || b->m->held[node] || yci_is_sewn(b->s, node)) return;
     if (end || (yci_build_full(b, lone - 1) && yci_build_full(b, lone + 1))) e->drop = b->cloth->visit + goes;
 }
@@ -16534,6 +16604,7 @@ static void yci_eval_form(const yc_scene *s, int kind, int i, int mode, int proj
         const yci_wrap *e = m->wrap + i;
         yci_local_wrap(s, out, q, e);
         out->energy = yci_yarn_wrap(q, e->stiffness, e->rest, g, h, projected);
+        if (m->rate > 0.0) out->energy += yci_yarn_wrap_damp(q, m->rate * e->stiffness, e->rest, e->previous, g, h);
         break;
     }
     case YCI_LENGTH: {
@@ -17345,6 +17416,10 @@ static void yci_strains(yc_scene *s) {
         yci_local_kink(s, &out, q, &m->kink[i].a);
         m->kink[i].previous = yci_yarn_kink_strain(q);
     }
+    for (i = 0; i < m->wrap_count; i++) {
+        yci_local_wrap(s, &out, q, m->wrap + i);
+        yci_yarn_wrap_strain(q, m->wrap[i].rest, m->wrap[i].previous);
+    }
     for (i = 0; i < m->flatten_count; i++) {
         yci_local_flatten(s, &out, q, m->flatten + i);
         m->flatten[i].previous = yci_yarn_flatten_strain(q, m->flatten[i].rest);
@@ -17653,25 +17728,28 @@ static void yci_carry(yc_scene *s) {
     for (i = 0; i < a->n; i++) {
         const double *block = m->system.mass + m->system.mass_at[i];
         double *lack = late + a->off[i];
-        int d = a->dim[i];
-        if (!yci_block_invert_spd(d, block, block, d + 1, inverse)) continue;
-        for (r = 0; r < d; r++)
-            for (more[r] = 0.0, t = 0; t < d; t++) more[r] += inverse[r * d + t] * lack[t];
+        int d = a->dim[i], still = 1;
+        for (r = 0; r < d; r++) still &= lack[r] == 0.0, more[r] = 0.0;
+        if (still) continue;
+        if (yci_block_invert_spd(d, block, block, d + 1, inverse))
+            for (r = 0; r < d; r++)
+                for (t = 0; t < d; t++) more[r] += inverse[r * d + t] * lack[t];
         memcpy(lack, more, (size_t)d * sizeof *more);
         yci_axpy(s->velocity + 3 * m->node_of[i], 1.0, lack);
     }
     for (i = 0; i < m->slide_count; i++) s->slide[m->slide[i].visit] += late[yci_dof_of_slide(s, m->slide[i].visit)];
 }
 
-/* Whether a sub-step has taken most of a segment's length at once, down to its floor: then more of a yarn has gone than
- * there was before its end, or Newton has found a minimum far off. */
+/* Whether a sub-step has taken most of a segment's length at once, down to its floor, where an event follows: then more
+ * of a yarn has gone than there was before its end, or Newton has found a minimum far off. Elsewhere a segment between
+ * crossings that slide freely may well go down to its floor, as fast as sound: no sub-step would be short enough. */
 static int yci_overrun(const yc_scene *s) {
     const yci_model *m = s->model;
     int i, found = 0;
     for (i = 0; i < m->adjacent_count && !found; i++) {
         const yci_adjacent *e = m->adjacent + i;
         double du = s->u[e->b] - s->u[e->a], before = s->u_n[e->b] - s->u_n[e->a];
-        found = du < e->floor && du < 0.25 * before;
+        found = e->limit > 0.0 && du < e->floor && du < 0.25 * before;
     }
     return found;
 }

@@ -664,6 +664,53 @@ TEST(yarn_wrap) {
     }
 }
 
+static double elements_wrap_damp(const double *p, const double *q, double *g, double *h, int projected) {
+    (void)projected;
+    if (g) yci_zero(g, 12);
+    if (h) yci_zero(h, 144);
+    return yci_yarn_wrap_damp(q, p[0], p[1], p + 2, g, h);
+}
+
+/* Its gradient is the slope of its energy; at the step's start its Hessian is exact and, at rest, that of wrapping. */
+TEST(yarn_wrap_damping) {
+    elements_state = 7;
+    for (int trial = 0; trial < 40; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, q[12], p[5], g[12], h[144], exact[144], to[12], e[2], off = 0.0;
+        p[0] = 2.0, p[1] = 0.2 * (trial % 20) - 1.9;
+        if (trial < 20) elements_contact_of(q, size, 0.5 * YCI_PI, 0.5 * YCI_PI, p[1]);
+        else
+            elements_contact_of(
+                q, size, elements_random(0.3, 2.8), elements_random(0.3, 2.8), elements_random(-3.1, 3.1));
+        yci_yarn_wrap_strain(q, p[1], p + 2);
+        CHECK(elements_wrap_damp(p, q, g, h, 0) == 0.0 && elements_largest(g, 12) == 0.0);
+        CHECK(elements_semidefinite(h, 12));
+        if (trial < 20) {
+            elements_wrap(p, q, NULL, exact, 0);
+            CHECK(elements_distance(h, exact, 144) <= 1e-12 * elements_largest(exact, 144));
+        }
+        for (int i = 0; i < 12; i++) { /* columns of the Hessian, from the gradient */
+            double up[12], down[12];
+            memcpy(to, q, sizeof to);
+            to[i] = q[i] + 1e-5 * size, elements_wrap_damp(p, to, up, NULL, 0);
+            to[i] = q[i] - 1e-5 * size, elements_wrap_damp(p, to, down, NULL, 0);
+            for (int k = 0; k < 12; k++) off = fmax(off, fabs((up[k] - down[k]) / (2e-5 * size) - h[12 * i + k]));
+        }
+        CHECK(off <= 1e-7 * elements_largest(h, 144));
+        memcpy(to, q, sizeof to), elements_move(to, 4, size); /* rigid motion is spared */
+        CHECK(elements_wrap_damp(p, to, NULL, NULL, 0) < 1e-24);
+        for (int i = 0; i < 12; i++) q[i] += elements_random(-0.1, 0.1) * size;
+        elements_wrap_damp(p, q, g, NULL, 0), off = 0.0;
+        for (int i = 0; i < 12; i++) {
+            for (int k = 0; k < 2; k++)
+                memcpy(to, q, sizeof to), to[i] += (k ? 1e-5 : -1e-5) * size,
+                    e[k] = elements_wrap_damp(p, to, NULL, NULL, 0);
+            off = fmax(off, fabs((e[1] - e[0]) / (2e-5 * size) - g[i]));
+        }
+        CHECK(off <= 1e-7 * elements_largest(g, 12) + 1e-9 / size * p[0]);
+        CHECK(elements_invariant(elements_wrap_damp, p, 12, 4, q, size));
+    }
+}
+
 /* Half the sum of squares that compression minimises. */
 static double elements_stack(
     const double *lambda, int n, const double *load, const double *below, const double *above) {
@@ -707,6 +754,49 @@ TEST(yarn_stack_compression) {
             for (int i = 0; i + 1 < n; i++) other[i] = yci_max(0.0, lambda[i] + elements_random(-0.1, 0.1));
             CHECK(elements_stack(other, n, load, below, above) >= least - 1e-14);
         }
+    }
+}
+
+/* The least of all sets of pressed contacts whose equilibrium presses: the solution, by brute force. */
+TEST(yarn_stack_compression_is_the_least) {
+    elements_state = 4;
+    for (int trial = 0; trial < 60; trial++) {
+        int n = 2 + trial % (YCI_STACK - 1);
+        double load[YCI_STACK], below[YCI_STACK], above[YCI_STACK], best[YCI_STACK] = {0.0}, lambda[YCI_STACK];
+        double least = HUGE_VAL;
+        for (int i = 0; i < n; i++) {
+            load[i] = elements_random(-1.0, 1.0), below[i] = elements_random(0.6, 1.0);
+            above[i] = elements_random(0.6, 1.0);
+        }
+        for (int set = 0; set < 1 << (n - 1); set++) {
+            double a[YCI_STACK][YCI_STACK + 1], sum, x[YCI_STACK] = {0.0};
+            int at[YCI_STACK], m = 0, fits = 1;
+            for (int i = 0; i + 1 < n; i++)
+                if (set >> i & 1) at[m++] = i;
+            for (int i = 0; i < m; i++) { /* normal equations of the contacts in the set, by elimination */
+                int p = at[i];
+                for (int j = 0; j < m; j++)
+                    a[i][j] = at[j] == p ? above[p] * above[p] + below[p + 1] * below[p + 1]
+                        : at[j] == p + 1 ? -below[p + 1] * above[p + 1]
+                        : at[j] == p - 1 ? -below[p] * above[p]
+                                         : 0.0;
+                a[i][m] = above[p] * load[p] - below[p + 1] * load[p + 1];
+            }
+            for (int i = 0; i < m; i++)
+                for (int r = i + 1; r < m; r++) {
+                    double f = a[r][i] / a[i][i];
+                    for (int j = i; j <= m; j++) a[r][j] -= f * a[i][j];
+                }
+            for (int i = m - 1; i >= 0; i--) {
+                sum = a[i][m];
+                for (int j = i + 1; j < m; j++) sum -= a[i][j] * x[at[j]];
+                x[at[i]] = sum / a[i][i], fits &= x[at[i]] >= 0.0;
+            }
+            sum = elements_stack(x, n, load, below, above);
+            if (fits && sum < least) least = sum, memcpy(best, x, sizeof best);
+        }
+        yci_yarn_stack_compression(lambda, n, load, below, above);
+        for (int i = 0; i + 1 < n; i++) CHECK_NEAR(lambda[i], best[i], 1e-12);
     }
 }
 

@@ -204,7 +204,7 @@ TEST(knit_runs_where_it_breaks) {
     yc_scene *scene;
     double mass, at[3], high = 0.0, middle, w = 1.0 / d.wales, h = 1.0 / d.courses, last = 1e3, gain[2] = {0.0, 0.0};
     int step, i, k, n, torn[2], broken = 0, slipped = 0, released = 0, ok = 1;
-    d.stitches = 5, d.rows = 5, d.yarn.strength = 0.0, d.yarn.friction = 0.1;
+    d.stitches = 5, d.rows = 5, d.yarn.strength = 0.02, d.yarn.friction = 0.1;
     if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
     scene = calm(&y);
     if (!scene) return;
@@ -374,7 +374,7 @@ TEST(knit_topology_abuse) {
     uint64_t state = 3;
     double mass, gain[2] = {0.0, 0.0};
     int step, i, n, ok = 1, refused = 0, kinds[YC_EVENT_COUNT] = {0};
-    d.stitches = 4, d.rows = 3, d.live = 1, d.yarn.strength = 0.05, d.yarn.friction = 0.05;
+    d.stitches = 4, d.rows = 3, d.live = 1, d.yarn.strength = 0.02, d.yarn.friction = 0.05;
     if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.mass_damping = 20.0, settings.best_effort = 1, cloth.yarns = &y;
