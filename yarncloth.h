@@ -741,7 +741,8 @@ typedef struct yc_knit_rest {
  * desc  not NULL; stitches, rows, live, mesh and rest are not looked at; one `round` goes for pieces that are so
  * *out  untouched on failure, free with yc_knit_rest_destroy; serves for pieces of any size. host NULL is a zeroed one;
  *       message is NULL or YC_MESSAGE_SIZE bytes
- * Errors: ARGUMENT (as of yc_knit), MEMORY, DIVERGED. Cost: 20 to 100 direct solves with 16 unknowns per stitch. */
+ * Errors: ARGUMENT (as of yc_knit), MEMORY, DIVERGED. Cost: 15 direct solves with 16 unknowns per stitch of the repeat,
+ * some hundred of lace. */
 YC_API yc_result yc_knit_relax(const yc_host *host, const yc_knit_desc *desc, yc_knit_rest *out, char *message);
 
 /* Frees what yc_knit_relax made and zeroes the struct. NULL is fine. */
