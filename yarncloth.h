@@ -750,7 +750,8 @@ typedef struct yc_knit_rest {
  * desc  not NULL; stitches, rows, live, mesh and rest are not looked at; one `round` goes for pieces that are so
  * *out  untouched on failure, free with yc_knit_rest_destroy; serves for pieces of any size. host NULL is a zeroed one;
  *       message is NULL or YC_MESSAGE_SIZE bytes
- * Errors: ARGUMENT (as of yc_knit), MEMORY, DIVERGED. Cost: 20 to 100 direct solves with 16 unknowns per stitch. */
+ * Errors: ARGUMENT (as of yc_knit), MEMORY, DIVERGED. Cost: 15 direct solves with 16 unknowns per stitch of the repeat,
+ * some hundred of lace. */
 YC_API yc_result yc_knit_relax(const yc_host *host, const yc_knit_desc *desc, yc_knit_rest *out, char *message);
 
 /* Frees what yc_knit_relax made and zeroes the struct. NULL is fine. */
@@ -765,13 +766,13 @@ YC_API void yc_knit_rest_destroy(yc_knit_rest *rest);
  * degrees everywhere unless stitches are crowded. The ends of the yarn are secured, but for the last one of a live
  * knit. u is measured along the layout, stretched by one factor so that the length in a stitch is `loop`, the mean over
  * the rows that were worked; yarn is straight at rest.
- * With a rest shape, stitches that lie in a repeat of the chart, or are worked like one there, are laid as they relaxed;
- * the others, at edges, as near to that as springs bring them. All is then at rest but for wrapping.
+ * With a rest shape, stitches that lie in a repeat of the chart, or are worked like one there, are laid as they
+ * relaxed; the others, at edges, as near to that as springs bring them. All is then at rest but for wrapping.
  * With a mesh the layout is the pattern's; yarns end on the outline of their island, in a node of their own, and are
  * tied to a rod along every edge where two islands are welded, as yc_weave does it. A stitch contact of which the
  * outline cuts a part goes as a whole: its yarns pass there alone. Yarn without any contact is left out. Yarns turn at
- * rest as they are laid, u is measured along the layout, and where there is no rest shape the yarn's density carries the
- * factor by which `loop` is longer: but for wrapping pieces lie still, and weigh what they should.
+ * rest as they are laid, u is measured along the layout, and where there is no rest shape the yarn's density carries
+ * the factor by which `loop` is longer: but for wrapping pieces lie still, and weigh what they should.
  * desc  not NULL; out  receives the network, untouched on failure; free with yc_yarns_destroy. Its materials are the
  *       yarn and, with a mesh, the rod unless rod.density is 0
  * Errors: ARGUMENT (the message names the field, or line, row and stitch of the chart and what does not fit), TOPOLOGY
@@ -11038,7 +11039,8 @@ YC_FN void yci_yarn_angle_derivatives(const yci_yarn_angle *angle, const double 
 }
 
 /* -- bending: q = (x_a, x_b, x_c, u_a, u_c), jam the width in radians over which jamming sets in, 0 for none ------- */
-/*    It begins at a right angle, or at the rest angle where that is more: what was set so does not press itself open. */
+/*    It begins at a right angle, or at the rest angle where that is more: what was set so does not press itself
+ *    open. */
 
 YC_FN double yci_yarn_bend_strain(const double *q) {
     double e1[3], e2[3], m[3];
@@ -14033,9 +14035,10 @@ static yc_result yci_system_factor(yci_system *s) {
  *
  * Rest shapes of knits (YARN 4.1). Not in a scene: a repeat of the chart is its own neighbour, its width and height are
  * two more unknowns, and Newton's method finds where bending of straight yarn, jamming, stretch, stitch length and the
- * contact of adjacent yarns balance, without friction, which would leave the loop as it was laid, and flat. Repeats that
- * wrap in space gave hardly another gauge: stockinette the same, garter 0.99 of its height, 1x1 rib 0.52 of its width,
- * which is what pieces draw in to from the flat shape; with sliding too, garter became higher by a tenth, not lower.
+ * contact of adjacent yarns balance, without friction, which keeps something of how loops are laid, and flat. Repeats
+ * that wrap in space gave hardly another gauge: stockinette the same, garter 0.99 of its height, 1x1 rib 0.52 of its
+ * width, about what pieces draw in to from the flat shape; with sliding too, garter became higher by a tenth, not
+ * lower.
  *
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the

@@ -10,9 +10,9 @@
  * unravel garter that is not bound off; its end is drawn off sideways, and it comes undone loop by loop (YARN, Fig. 13)
  * piece   the sleeve of a T-shirt, cut from stockinette and sewn up: its yarns end at the outline, or in the rod of the
  *         seam; edges that hang free roll up
- * All but the last are cast on and worked with one yarn of wool; the first four are bound off. All but unravel are laid in
- * their rest shape, and then let their contacts unwrap. Each prints a line and writes out/knit-NAME.png, as seen from the right
- * side. Weight is left out. */
+ * All but the last are cast on and worked with one yarn of wool; the first four are bound off. All but unravel are laid
+ * in their rest shape, and then let their contacts unwrap. Each prints a line and writes out/knit-NAME.png, as seen
+ * from the right side. Weight is left out. */
 #include "common/ex_obj.h"
 #include "common/ex_yarns.h"
 #include "tests/scenes/knits.h"

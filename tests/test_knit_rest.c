@@ -6,8 +6,10 @@
 #include <math.h>
 
 static const char zigzag[] = /* in the round; its repeat is worked from 6 to 4 stitches and back */
-    "Row 1 (RS): *k1, k2tog, k2tog, k1, repeat from *.\nRow 2 (RS): *k1, yo, k2, yo, k1, repeat from *.\nRow 3 (RS): Knit.\n";
-static const char wedge[] = "Row 1 (RS): k1, m1, *k1, repeat from *.\nRow 2 (WS): Purl.\n"; /* never the same again */
+    "Row 1 (RS): *k1, k2tog, k2tog, k1, repeat from *.\nRow 2 (RS): *k1, yo, k2, yo, k1, repeat from *.\n"
+    "Row 3 (RS): Knit.\n";
+/* never as many stitches again */
+static const char wedge[] = "Row 1 (RS): k1, m1, *k1, repeat from *.\nRow 2 (WS): Purl.\n";
 
 static int relax(const char *text, yc_chart *chart, yc_knit_desc *d, yc_knit_rest *rest) {
     char why[YC_MESSAGE_SIZE] = "";
@@ -139,8 +141,8 @@ TEST(knit_rest_follows_its_yarn) {
     for (i = 0; i < 3; i++) yc_knit_rest_destroy(&rest[i]);
 }
 
-/* Yarns that hardly stretch, hardly bend or do not resist bending at all, and loops of 0.3 and 30 mm of yarn as thick as
- * ever: lace finds its shape, and it is that of any yarn which bends easily and hardly stretches. */
+/* Yarns that hardly stretch, hardly bend or do not resist bending at all, and gauges from 0.3 to 30 times the usual, of
+ * yarn as thick as ever: lace finds its shape, and it is that of any yarn which bends easily and hardly stretches. */
 TEST(knit_rest_of_any_yarn) {
     yc_knit_desc d = yc_knit_desc_default();
     yc_knit_rest rest[7];
