@@ -304,7 +304,7 @@ typedef struct yc_yarn_material {
     double slide;       /* k_f, N/m: stiffness of the anchored friction spring; > 0; default 100 */
     /* N: what presses the yarns of a crossing together at rest, as weaving and finishing leave it; the mean of both
      * yarns counts, less on floats like `shear`, and friction of sliding and of turning adds it to what the state
-     * gives; >= 0; default 0 */
+     * gives; >= 0; default 0. Not used in knits: there bent yarn presses its loops together, at rest too */
     double preload;
     /* N m^2: EI of the undulation of a crimped yarn. Another value than `bending` only where a yarn stands for several;
      * > 0; default 3e-9. Not used without crimp */
@@ -830,6 +830,9 @@ typedef struct yc_scene_desc {
      */
     int self_contact;
     double self_friction; /* Coulomb coefficient of cloth on cloth; [0, 10]; default 0.2 */
+    /* nonzero: stitch contacts of knits wrap by 1/2 k_w L (psi - psi_0)^2, as printed in YARN 4.2, where their tails
+     * stand across the contact; for comparison. Default 0: by a smooth form that is as stiff at rest */
+    int literal_wrap;
 } yc_scene_desc;
 YC_API yc_scene_desc yc_scene_desc_preset(yc_preset preset);
 YC_API yc_scene_desc yc_scene_desc_default(void); /* YC_DEFAULT */
@@ -10725,7 +10728,8 @@ YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns
  *   wrapping     k L (1 - s_p s_q cos(psi - psi_0)), s_p, s_q the sines of two tails' angles to a stitch contact's
  *                axis, psi their dihedral about it, 0 when flat (YARN 4.2, eq. 2, smooth: a polynomial of three unit
  *                vectors, as stiff as the literal (1/2) k L (psi - psi_0)^2 where both tails stand across the axis;
- *                that is the hinge of chapter triangle, undefined where a tail lies in the axis). With p, q the parts
+ *                that is the hinge of chapter triangle, undefined where a tail lies in the axis; for comparison
+ *                it is here too, with a guard). With p, q the parts
  *                of the tails across it, q turned by psi_0 about it, it is k L/2 (|p - q|^2 + (tail.axis)^2 of both);
  *                projected is the Gauss-Newton form of that, exact at rest.
  *   length       (1/2) k L (du/L - 1)^2, of the yarn in a stitch contact (YARN 4.5). Convex: projected is exact.
@@ -10753,8 +10757,8 @@ YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns
  * Stiffness damping: each elastic element has a strain s (the _strain functions) and adds (1/2) E'' r (s - s_prev)^2,
  * E'' the stiffness by s without jamming, r = beta/h (0: off), s_prev the strain at the step's start. Strains are
  * invariant, so rigid motion is undamped exactly. Wrapping has three: the two cosines of its tails to the axis and
- * s_p s_q sin(psi - psi_0), with the stiffness k L of its energy near rest. The turning angle has no sign: a node that snaps through straight to
- * the mirrored bend is not damped.
+ * s_p s_q sin(psi - psi_0), with the stiffness k L of its energy near rest. The turning angle has no sign: a node that
+ * snaps through straight to the mirrored bend is not damped.
  *
  * Compression (YARN 4.3, eq. 3): the force of each yarn at a crossing comes from its own stretch and bending with the
  * nodes offset along the contact normals (crimp); the tensions are the true ones, the directions those of the offset
@@ -11282,6 +11286,74 @@ YC_FN double yci_yarn_wrap(const double *q, double k, double psi_0, double *g, d
     return 0.5 * k * (yci_dot(gap, gap) + alpha * alpha + beta * beta);
 }
 
+/* d2 += k times the second derivatives of the cosine of two edges' angle, and slope the first ones, by the edges' four
+ * points at[..], the first edge from at[0] to at[1]; returns the cosine. */
+YC_FN double yci_yarn_wrap_cosine(const double *q, const int *at, double *slope, double k, double *d2) {
+    double x_axis[3] = {1.0, 0.0, 0.0}, unit[2][3], inverse[2], across[2][3], c;
+    yci_zero(slope, 12);
+    for (int i = 0; i < 2; i++) {
+        yci_sub(unit[i], q + 3 * at[2 * i + 1], q + 3 * at[2 * i]);
+        inverse[i] = 1.0 / yci_max(yci_normalize(unit[i], x_axis), YCI_YARN_SHORTEST);
+    }
+    c = yci_dot(unit[0], unit[1]);
+    for (int i = 0; i < 2; i++) {
+        yci_copy(across[i], unit[!i]), yci_axpy(across[i], -c, unit[i]);
+        yci_axpy(slope + 3 * at[2 * i + 1], inverse[i], across[i]),
+            yci_axpy(slope + 3 * at[2 * i], -inverse[i], across[i]);
+    }
+    for (int z = 0; z < 144 && d2; z++) {
+        int i = z / 72, end = z / 36 % 2, j = z / 18 % 2, other = z / 9 % 2, x = z / 3 % 3, y = z % 3;
+        double same = x == y, v;
+        if (i == j) v = -c * (same - unit[i][x] * unit[i][y]) - unit[i][x] * across[i][y] - across[i][x] * unit[i][y];
+        else v = same - unit[i][x] * unit[i][y] - unit[j][x] * unit[j][y] + c * unit[i][x] * unit[j][y];
+        v *= k * inverse[i] * inverse[j] * (end == other ? 1.0 : -1.0);
+        d2[12 * (3 * at[2 * i + end] + x) + 3 * at[2 * j + other] + y] += v;
+    }
+    return c;
+}
+
+/* The literal form, k = k_w L: k/2 (f d^2 + (1 - f) psi_0^2), d = psi - psi_0 within -pi .. pi, with the guard
+ * f = product of s^2 / (s^2 + 0.09) over both tails. d comes from s_p s_q cos(d) and s_p s_q sin(d), each of which is 1
+ * less the smooth form of another angle. Projected keeps k f (grad d) (grad d)^T. */
+YC_FN double yci_yarn_wrap_literal(const double *q, double k, double psi_0, double *g, double *h, int projected) {
+    static const int tail[2][4] = {{0, 1, 0, 2}, {0, 1, 1, 3}};
+    double part[2][12], cosine[2][12], d2[2][144], slope[12], value[2], f[2], df[2], ddf[2], c, rr, d, wing, guard;
+    double *second = h && !projected ? d2[0] : NULL, wd, wf;
+    for (int i = 0; i < 2; i++) /* cosine, sine of d, times s_p s_q: gradients are those of the smooth form, reversed */
+        value[i] = 1.0 - yci_yarn_wrap(q, 1.0, psi_0 + i * 0.5 * YCI_PI, part[i], second ? d2[i] : NULL, 0);
+    rr = yci_max(value[0] * value[0] + value[1] * value[1], 1e-24), d = atan2(value[1], value[0]);
+    for (int i = 0; i < 12; i++) slope[i] = (value[1] * part[0][i] - value[0] * part[1][i]) / rr;
+    for (int i = 0; i < 2; i++) {
+        double s2, low;
+        c = yci_yarn_wrap_cosine(q, tail[i], cosine[i], 0.0, NULL), s2 = yci_max(1.0 - c * c, 0.0), low = s2 + 0.09;
+        f[i] = s2 / low, df[i] = -2.0 * c * 0.09 / (low * low); /* by the cosine */
+        ddf[i] = -0.18 / (low * low) - 8.0 * c * c * 0.09 / (low * low * low);
+    }
+    guard = f[0] * f[1], wing = 0.5 * (d * d - psi_0 * psi_0), wd = k * guard * d, wf = k * wing;
+    for (int i = 0; i < 12 && g; i++)
+        g[i] = wd * slope[i] + wf * (df[0] * f[1] * cosine[0][i] + f[0] * df[1] * cosine[1][i]);
+    for (int z = 0; z < 144 && h; z++) {
+        int i = z / 12, j = z % 12;
+        double fi = df[0] * f[1] * cosine[0][i] + f[0] * df[1] * cosine[1][i];
+        double fj = df[0] * f[1] * cosine[0][j] + f[0] * df[1] * cosine[1][j];
+        h[z] = k * guard * slope[i] * slope[j];
+        if (projected) continue;
+        h[z] += k * d * (slope[i] * fj + fi * slope[j]);
+        h[z] += wd * (value[1] * d2[0][z] - value[0] * d2[1][z]) / rr;
+        h[z] += wd *
+            ((part[1][i] * part[0][j] - part[0][i] * part[1][j]) +
+                2.0 * (value[0] * part[0][j] + value[1] * part[1][j]) * slope[i]) /
+            rr;
+        h[z] += wf * (ddf[0] * f[1] * cosine[0][i] * cosine[0][j] + f[0] * ddf[1] * cosine[1][i] * cosine[1][j]);
+        h[z] += wf * df[0] * df[1] * (cosine[0][i] * cosine[1][j] + cosine[1][i] * cosine[0][j]);
+    }
+    for (int i = 0; i < 2 && second; i++) {
+        double unused[12];
+        yci_yarn_wrap_cosine(q, tail[i], unused, wf * df[i] * f[!i], h);
+    }
+    return 0.5 * k * psi_0 * psi_0 + k * guard * wing;
+}
+
 /* What damping of wrapping watches: s_p s_q sin(psi - psi_0) and the cosines of both tails' angles to the axis. Near
  * rest the energy is k/2 times the sum of their squares. */
 YC_FN void yci_yarn_wrap_strain(const double *q, double psi_0, double *strain) {
@@ -11293,8 +11365,8 @@ YC_FN void yci_yarn_wrap_strain(const double *q, double psi_0, double *strain) {
     strain[0] = c * yci_dot(e, m) + s * (yci_dot(a, b) - strain[1] * strain[2]);
 }
 
-/* Adds the damping, (1/2) k r |strain - previous|^2, to an element's gradient and Hessian, which may be NULL; of its own
- * Hessian the semidefinite part. */
+/* Adds the damping, (1/2) k r |strain - previous|^2, to an element's gradient and Hessian, which may be NULL; of its
+ * own Hessian the semidefinite part. */
 YC_FN double yci_yarn_wrap_damp(const double *q, double k, double psi_0, const double *previous, double *g, double *h) {
     static const int from[3] = {0, 0, 1}, to[3] = {1, 2, 3};
     double x_axis[3] = {1.0, 0.0, 0.0}, unit[3][3], inverse[3], strain[3], slope[3][3][3], row[3][12], m[3];
@@ -16606,7 +16678,8 @@ static void yci_eval_form(const yc_scene *s, int kind, int i, int mode, int proj
     case YCI_WRAP: {
         const yci_wrap *e = m->wrap + i;
         yci_local_wrap(s, out, q, e);
-        out->energy = yci_yarn_wrap(q, e->stiffness, e->rest, g, h, projected);
+        out->energy =
+            (s->desc.literal_wrap ? yci_yarn_wrap_literal : yci_yarn_wrap)(q, e->stiffness, e->rest, g, h, projected);
         if (m->rate > 0.0) out->energy += yci_yarn_wrap_damp(q, m->rate * e->stiffness, e->rest, e->previous, g, h);
         break;
     }
@@ -17534,7 +17607,8 @@ static void yci_unwraps(yc_scene *s) {
     for (i = 0; i < m->wrap_count; i++) {
         const int visit[4] = {m->wrap[i].a, m->wrap[i].b, m->wrap[i].p, m->wrap[i].q};
         yci_local_wrap(s, &out, q, m->wrap + i);
-        yci_yarn_wrap(q, m->wrap[i].stiffness, m->wrap[i].rest, g, NULL, 0);
+        (s->desc.literal_wrap ? yci_yarn_wrap_literal : yci_yarn_wrap)(
+            q, m->wrap[i].stiffness, m->wrap[i].rest, g, NULL, 0);
         for (k = 0; k < 4; k++) yci_axpy(m->unwrap + 3 * visit[k], -1.0, g + 3 * k);
     }
 }

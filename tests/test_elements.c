@@ -664,6 +664,39 @@ TEST(yarn_wrap) {
     }
 }
 
+static double elements_wrap_literal(const double *p, const double *q, double *g, double *h, int projected) {
+    return yci_yarn_wrap_literal(q, p[0], p[1], g, h, projected);
+}
+
+/* The literal form: its value, its derivatives, near flat and folded over; no NaN where a tail lies in the axis. */
+TEST(yarn_wrap_literal) {
+    static const double tilt[4] = {0.05, 0.7, 0.5 * YCI_PI, 2.6}, psi[5] = {0.0, 1.4, -1.3, 3.1, -3.1};
+    elements_state = 5;
+    for (int trial = 0; trial < 160; trial++) {
+        double size = trial % 2 ? 1e-3 : 1.0, a = tilt[trial / 2 % 4], b = tilt[trial / 8 % 4], turn = psi[trial / 32];
+        double q[12], p[2], h[144], d, f = 1.0, s[2] = {sin(a), sin(b)};
+        p[0] = 2.0, p[1] = trial % 3 ? 0.5 * YCI_PI : -0.9;
+        elements_contact_of(q, size, a, b, turn);
+        d = atan2(sin(turn - p[1]), cos(turn - p[1]));
+        for (int i = 0; i < 2; i++) f *= s[i] * s[i] / (s[i] * s[i] + 0.09);
+        CHECK_NEAR(elements_wrap_literal(p, q, NULL, NULL, 0), f * d * d + (1.0 - f) * p[1] * p[1], 1e-11);
+        CHECK(elements_differences(elements_wrap_literal, p, 12, q, size, 3e-4 * size, 1e-6));
+        CHECK(elements_invariant(elements_wrap_literal, p, 12, 4, q, size));
+        elements_wrap_literal(p, q, NULL, h, 1);
+        CHECK(elements_semidefinite(h, 12));
+    }
+    for (int trial = 0; trial < 4; trial++) {
+        double q[12], g[12], h[144];
+        elements_contact_of(q, 1e-3, trial == 0 ? 0.0 : 1.0, trial == 1 ? YCI_PI : 1.0, 0.3);
+        if (trial == 2) yci_copy(q + 6, q);
+        if (trial == 3) yci_copy(q + 3, q);
+        for (int projected = 0; projected < 2; projected++) {
+            CHECK(yci_yarn_wrap_literal(q, 1.0, 0.5 * YCI_PI, g, h, projected) >= 0.0);
+            CHECK(elements_finite(g, 12) && elements_finite(h, 144));
+        }
+    }
+}
+
 static double elements_wrap_damp(const double *p, const double *q, double *g, double *h, int projected) {
     (void)projected;
     if (g) yci_zero(g, 12);

@@ -314,3 +314,32 @@ TEST(knit_tightness) {
     CHECK_RESULT(yc_knit_tightness(NULL, 14.0, why), YC_ERROR_ARGUMENT);
     CHECK(d.loop == named.loop && d.wales == named.wales);
 }
+
+/* Let go without gravity, it curls until wrapping and bending balance: with the literal form of wrapping to the same
+ * shape. Shares of its width and height as laid. */
+TEST(knit_wrapping_both_forms) {
+    double extent[2][3];
+    int form, step, i, k;
+    for (form = 0; form < 2; form++) {
+        yc_scene_desc settings = yc_scene_desc_default();
+        yc_knit_desc d = yc_knit_desc_default();
+        double low[3] = {HUGE_VAL, HUGE_VAL, HUGE_VAL}, high[3] = {-HUGE_VAL, -HUGE_VAL, -HUGE_VAL}, (*x)[3];
+        swatch w;
+        d.stitches = 8, d.rows = 8, d.yarn.strength = 0.0, d.yarn.wrap *= 0.2; /* it need not lie on itself */
+        memset(settings.gravity, 0, sizeof settings.gravity);
+        settings.mass_damping = 20.0, settings.dt_max = 0.02, settings.literal_wrap = form;
+        if (!swatch_new(&w, LAID, &d, &settings)) return;
+        for (step = 0; step < 25; step++)
+            if (!CHECK_RESULT(yc_scene_step(w.scene, 0.02, NULL), YC_OK)) break;
+        x = (double(*)[3])malloc((size_t)(2 * w.yarns.node_count) * sizeof *x); /* events may add some */
+        CHECK_RESULT(yc_scene_positions(w.scene, 0, YC_NODE, x), YC_OK);
+        for (i = 0; i < w.yarns.node_count; i++)
+            for (k = 0; k < 3; k++) low[k] = fmin(low[k], x[i][k]), high[k] = fmax(high[k], x[i][k]);
+        for (k = 0; k < 3; k++) extent[form][k] = (high[k] - low[k]) / (k ? w.height : w.width);
+        printf("   %s: %.3f wide, %.3f high, %.3f deep\n", form ? "literal" : "smooth", extent[form][0],
+            extent[form][1], extent[form][2]);
+        free(x), swatch_free(&w);
+    }
+    for (k = 0; k < 3; k++) CHECK_NEAR(extent[1][k], extent[0][k], 0.04);
+    CHECK(extent[0][2] > 0.1); /* it has curled */
+}
