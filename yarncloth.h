@@ -13508,6 +13508,11 @@ static void yci_mass_dense_apply(yci_mass_dense *p, const double *r_v, const dou
  * Ac = Z'AZ is factored. Q = Z Ac^-1 Z'. Applied as z = M1 r, z += Q (r - A z), from the start vector Q b; the triangle
  * region is thereby solved exactly on every iteration. The iteration stops when sqrt(r'z) has fallen to a share of its
  * start, which measures the error in the energy norm; a raw residual would not.
+ *
+ * In knits the incomplete factor counts for more than the coarse level, see yci_build_sweep. Iterations to 1e-4 in
+ * stockinette of 6,700 nodes at 1 ms, and at 5 ms, without fill in the yarn's order: 74 to 155, over 500; wale by wale:
+ * 20 to 61, 118; with one level of fill: 14 to 24, 58; with two: 9 to 11, 32, and 30 with 26,000 nodes. A
+ * system of 26,000 nodes at 1 ms takes 0.27 s, by a direct factor 0.42 s.
  * ===================================================================================================================== */
 
 typedef struct yci_system {
@@ -14071,7 +14076,8 @@ static yc_result yci_system_factor(yci_system *s) {
  * corrections creep. Where they have not fallen by half three times, a quarter of the part that makes elements
  * semidefinite is kept, then a quarter of that, at last none; where there is no factor the share rises fourfold, and
  * falls again after half as many more iterations, twelve at most. The added part is a shift by what the elements
- * themselves lack. Only for direct solves: an incomplete factor would not tell.
+ * themselves lack. The two levels tell likewise: their matrix has none where conjugate gradients find a direction of no
+ * curvature, or the incomplete factor needs more than a small shift. Not with hybrid nodes.
  *
  * Yarn that slides without friction, and long steps leave it no inertia, has modes that cost less than E's rounding:
  * the matrix has no factor, or corrections are what rounding makes of them, without end. Then, and where the linear
