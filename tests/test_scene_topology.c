@@ -234,6 +234,76 @@ TEST(scene_topology_fray) {
     swatch_free(&w);
 }
 
+/* A swatch over a mesh of GRID x GRID cells, whose lowest row of vertices has that alpha, the others 1. */
+enum { GRID = 4, CORNERS = (GRID + 1) * (GRID + 1) };
+typedef struct meshed {
+    double positions[CORNERS][3], uv[CORNERS][2], alpha[CORNERS];
+    int triangles[2 * GRID * GRID][3];
+    yc_mesh mesh;
+} meshed;
+
+static swatch swatch_on_mesh(meshed *m, double alpha) {
+    yc_weave_desc weave = yc_weave_desc_default();
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_cloth_desc cloth = yc_cloth_desc_default();
+    swatch w;
+    int i, k;
+    memset(m, 0, sizeof *m), memset(&w, 0, sizeof w);
+    for (i = 0; i < CORNERS; i++) {
+        for (k = 0; k < 2; k++)
+            m->positions[i][k] = m->uv[i][k] = SIDE * weave.spacing[k] * (k ? i / (GRID + 1) : i % (GRID + 1)) / GRID;
+        m->alpha[i] = i <= GRID ? alpha : 1.0;
+    }
+    for (i = 0; i < 2 * GRID * GRID; i++) {
+        int a = i / 2 + i / 2 / GRID, *t = m->triangles[i];
+        t[0] = a, t[1] = i % 2 ? a + GRID + 2 : a + 1, t[2] = i % 2 ? a + GRID + 1 : a + GRID + 2;
+    }
+    m->mesh.vertex_count = m->mesh.uv_count = CORNERS, m->mesh.triangle_count = 2 * GRID * GRID;
+    m->mesh.positions = (const double(*)[3])m->positions, m->mesh.uv = (const double(*)[2])m->uv;
+    m->mesh.triangles = (const int(*)[3])m->triangles;
+    weave.warp.preload = weave.weft.preload = 0.02;
+    memset(settings.gravity, 0, sizeof settings.gravity);
+    settings.mass_damping = 20.0;
+    CHECK_RESULT(yc_weave(NULL, &weave, &m->mesh, &w.yarns, NULL), YC_OK);
+    cloth.mesh = m->mesh, cloth.yarns = &w.yarns, cloth.alpha = m->alpha;
+    CHECK_RESULT(yc_scene_create(NULL, &settings, &w.scene, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_add_cloth(w.scene, &cloth, NULL), YC_OK);
+    CHECK_RESULT(yc_scene_momentum(w.scene, &w.mass, NULL, NULL), YC_OK);
+    return w;
+}
+
+/* A weft drawn out of the middle, or the outermost warp peeled off by its upper end: releases, and how many yarns have
+ * come loose. */
+static void leave_mesh(double alpha, int warp, int *released, int *loose) {
+    meshed *m = (meshed *)malloc(sizeof *m);
+    swatch w = swatch_on_mesh(m, alpha);
+    int tip = warp ? tip_of(&w.yarns, YC_WARP, SIDE - 1, 1) : tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), step, ok = 1, k;
+    char why[YC_MESSAGE_SIZE];
+    if (!warp) hold_warps(&w);
+    for (k = 0; k < SIDE && warp; k++) draw_node(&w, tip_of(&w.yarns, YC_WEFT, k, 0), 0.0, 0.0);
+    *released = *loose = 0;
+    for (step = 1; step <= 140 && ok; step++) {
+        yc_yarns now;
+        draw_node(&w, tip, 0.01 * SIDE * 2.5e-3 * step, 0.0);
+        ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK) && sound(&w);
+        CHECK_RESULT(yc_scene_network(w.scene, 0, &now), YC_OK);
+        if (!CHECK_RESULT(yc_yarns_check(&now, &m->mesh, why), YC_OK)) printf("   %s\n", why);
+        *released += count_events(w.scene, YC_EVENT_RELEASE), *loose += count_events(w.scene, YC_EVENT_LOOSE);
+    }
+    swatch_free(&w), free(m);
+}
+
+/* Where alpha is 1 yarns leave cloth over a mesh as they leave yarns alone; the two wefts that lie in the row where it
+ * falls to 0 go on holding the warp. */
+TEST(scene_topology_leave_a_mesh) {
+    int released, loose, i;
+    for (i = 0; i < 4; i++) {
+        int kept = i == 3 ? 2 : 0;
+        leave_mesh(i % 2 ? 0.0 : 1.0, i / 2, &released, &loose);
+        CHECK(released == SIDE - kept && loose == !kept);
+    }
+}
+
 /* What lies of the yarns of a node between it and those before and after it, the less of both yarns, in spacings. */
 static double held_by(const swatch *w, int node) {
     const yc_yarns *y = &w->scene->cloth[0].yarns;

@@ -165,7 +165,8 @@ static void report_tension(const yc_fabric *f) {
     memset(&bias, 0, sizeof bias);
     bias.weave = f->weave, bias.weave.grain = 45.0 * degree, bias.axis = 1, bias.across = 12, bias.along = 36;
     if (repeat_of(&f->weave) > 4) bias.across = 16;
-    bias.step = 5e-3, bias.force = f->tension, bias.strain = 0.06;
+    bias.step = 5e-3, bias.force = f->tension, bias.strain = 0.06, bias.show = picture;
+    take_picture(f->name, "bias");
     if (scene_tensile_run(&bias, &curve, message) == YC_OK) {
         int k = curve.count - 1;
         report_alone(f->name, "modulus, bias, start", curve.force[1] / curve.strain[1], 1e3, "kN/m");
