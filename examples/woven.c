@@ -9,8 +9,9 @@
  *          Fig. 7)
  * corner   a patch is drawn at a corner and released: it keeps some of the deformation (after MIX, Fig. 6)
  * Each prints a table and writes out/woven-NAME.png; snag also woven-hooked.png, before it is let go. All are pieces
- * of an open plain weave, about two centimetres wide, on a table: u of the pattern is x, v is -z, and y is up. Weight
+ * of an open plain weave, about two centimetres wide, on a table: u of the pattern is x, v is y, and z is up. Weight
  * does not matter at this size and is left out. */
+#include "../tests/scenes/woven.h"
 #include "common/ex_yarns.h"
 #include "yarncloth.h"
 #include <math.h>
@@ -58,62 +59,20 @@ static void piece_free(piece *p) {
     yc_yarns_destroy(&p->yarns);
 }
 
-/* Where a point of the pattern lies on the table. */
-static void place(const piece *p, double u, double v, double height, double out[3]) {
-    out[0] = u - 0.5 * p->weave.size[0], out[1] = height, out[2] = 0.5 * p->weave.size[1] - v;
-}
-
 static void piece_start(piece *p, const yc_yarns *yarns) {
     yc_scene_desc settings = yc_scene_desc_default();
     yc_cloth_desc cloth = yc_cloth_desc_default();
-    double(*x)[3] = calloc(p->ok ? (size_t)yarns->node_count : 1, sizeof *x);
     char why[YC_MESSAGE_SIZE] = "";
-    int i;
-    if (!x) fine(p, YC_ERROR_MEMORY, "positions");
-    for (i = 0; p->ok && i < yarns->node_count; i++) place(p, yarns->layout[i][0], yarns->layout[i][1], 0.0, x[i]);
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.mass_damping = 20.0;
-    cloth.yarns = yarns, cloth.yarn_positions = (const double(*)[3])x;
+    cloth.yarns = yarns;
     if (p->ok) fine(p, yc_scene_create(NULL, &settings, &p->scene, why), why);
     if (p->ok) worked(p, yc_scene_add_cloth(p->scene, &cloth, NULL));
-    free(x);
 }
 
-/* The k-th yarn of a family, its visit from the start, or from the end where `visit` is negative: a node. */
-static int yarn_of(const piece *p, int family, int k) {
-    int i;
-    for (i = 0; i < p->yarns.yarn_count; i++)
-        if (p->yarns.yarn_family[i] == family && k-- == 0) return i;
-    return 0;
-}
-
-static int visit_of(const piece *p, int yarn, int visit) {
-    return visit < 0 ? p->yarns.yarn_first[yarn + 1] + visit : p->yarns.yarn_first[yarn] + visit;
-}
-
-static int node_of(const piece *p, int family, int k, int visit) {
-    return p->yarns.visit_node[visit_of(p, yarn_of(p, family, k), visit)];
-}
-
-/* Draws a node to where it was woven, moved by d; NULL: lets it go. */
-static void draw_to(piece *p, int node, const double d[3]) {
-    double at[3];
-    int k;
-    if (!p->ok) return;
-    if (!d) {
-        worked(p, yc_scene_unpin(p->scene, 0, YC_NODE, node));
-        return;
-    }
-    place(p, p->yarns.layout[node][0], p->yarns.layout[node][1], 0.0, at);
-    for (k = 0; k < 3; k++) at[k] += d[k];
-    worked(p, yc_scene_pin(p->scene, 0, YC_NODE, node, at));
-}
-
-/* Holds both ends of yarns from .. to - 1 of a family where they are. */
-static void hold(piece *p, int family, int from, int to) {
-    static const double nowhere[3] = {0.0, 0.0, 0.0};
-    for (; from < to; from++)
-        draw_to(p, node_of(p, family, from, 0), nowhere), draw_to(p, node_of(p, family, from, -1), nowhere);
+/* Moves what a scene draws; NULL: lets it go. */
+static void pull(piece *p, const yc_yarns *yarns, scene_pull what, const double by[3]) {
+    if (p->ok) worked(p, scene_woven_pull(p->scene, yarns, what, by));
 }
 
 static double force_at(piece *p, int node) {
@@ -146,20 +105,20 @@ static void advance(piece *p, int row, int node) {
     p->newton = p->substeps = 0;
 }
 
-/* Draws the end of a yarn by d[] over `frames` frames, in the third colour, while the warps before `held` are held. */
-static void draw_out(piece *p, int yarn, int visit, const double d[3], int held, int frames) {
-    int end, i, k;
-    if (!p->ok) return;
-    end = p->yarns.visit_node[visit_of(p, yarn, visit)];
-    p->pulled[0] = yarn, p->pulled_count = 1;
-    piece_start(p, &p->yarns);
-    hold(p, YC_WARP, 0, held);
+/* Draws by d[] over `frames` frames; every `row`-th ends a row of the table. */
+static void draw_out(piece *p, const yc_yarns *yarns, scene_pull what, const double d[3], int row, int frames) {
+    int i, k;
     for (i = 1; i <= frames && p->ok; i++) {
         double now[3];
         for (k = 0; k < 3; k++) now[k] = d[k] * i / frames;
-        draw_to(p, end, now);
-        advance(p, 6, end);
+        pull(p, yarns, what, now);
+        advance(p, row, scene_woven_drawn(yarns, what));
     }
+}
+
+/* A yarn in the third colour. */
+static void mark(piece *p, int family, int k) {
+    if (p->ok) p->pulled[p->pulled_count++] = scene_woven_yarn(&p->yarns, family, k);
 }
 
 /* ---- pictures ---- */
@@ -201,105 +160,62 @@ static void draw(piece *p, const ex_yarns_view *v, const char *name) {
 
 /* ---- scenes ---- */
 
-/* A copy of the network in which one weft passes free above one warp: there both have a node of their own, and the new
- * one, the last, is the weft's. */
-static int hook(piece *p, int weft, int warp, yc_yarns *out, double (**layout)[3], int **nodes) {
-    const yc_yarns *y = &p->yarns;
-    int yarn = yarn_of(p, YC_WEFT, weft), visit = visit_of(p, yarn, warp + 1), node, i;
-    *layout = calloc((size_t)y->node_count + 1, sizeof **layout);
-    *nodes = calloc((size_t)y->visit_count, sizeof **nodes);
-    if (!*layout || !*nodes) return fine(p, YC_ERROR_MEMORY, "network");
-    memcpy(*layout, y->layout, (size_t)y->node_count * sizeof **layout);
-    memcpy(*nodes, y->visit_node, (size_t)y->visit_count * sizeof **nodes);
-    node = y->visit_node[visit];
-    memcpy((*layout)[y->node_count], y->layout[node], sizeof **layout);
-    for (i = 0; i < y->visit_count; i++)
-        if (y->visit_node[i] == node) y->visit_layer[i] = 0, y->visit_held[i] = 1;
-    (*nodes)[visit] = y->node_count;
-    *out = *y;
-    out->node_count++, out->layout = *layout, out->visit_node = *nodes;
-    return p->ok;
-}
-
 static void snag(piece *p) {
     enum { WARPS = 36, WEFTS = 30, PULL = 50, REST = 40 };
-    static const ex_yarns_view v = {900, 500, 0, {0.12, 0.62, 0.95}, 1.14, {0.0, 0.0}, 1.9, 1};
+    static const ex_yarns_view v = {900, 500, 1, {0.12, 0.62, 0.95}, 1.14, {0.0, 0.0}, 1.9, 1};
+    double d[3] = {0.0, 0.0, 0.0};
     yc_yarns hooked;
-    double(*layout)[3] = NULL;
-    int *nodes = NULL, i, weft = WEFTS / 2, warp = WARPS / 2, loop;
+    int i;
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
-    if (p->ok && hook(p, weft, warp, &hooked, &layout, &nodes)) {
-        loop = hooked.node_count - 1;
-        p->pulled[0] = yarn_of(p, YC_WEFT, weft), p->pulled_count = 1;
-        piece_start(p, &hooked);
-        hold(p, YC_WARP, 0, WARPS);
-        for (i = 1; i <= PULL && p->ok; i++) {
-            double at[3];
-            place(p, layout[loop][0], layout[loop][1], 6.0 * p->weave.spacing[0] * i / PULL, at);
-            worked(p, yc_scene_pin(p->scene, 0, YC_NODE, loop, at));
-            advance(p, 10, loop);
-        }
-        draw(p, &v, "hooked");
-        if (p->ok) worked(p, yc_scene_unpin(p->scene, 0, YC_NODE, loop));
-        for (i = 0; i < REST; i++) advance(p, 10, -1);
+    mark(p, YC_WEFT, WEFTS / 2), d[2] = 6.0 * p->weave.spacing[0];
+    if (!p->ok) return;
+    if (!scene_woven_hook(&p->yarns, &hooked)) {
+        fine(p, YC_ERROR_MEMORY, "network");
+        return;
     }
+    piece_start(p, &hooked);
+    draw_out(p, &hooked, SCENE_SNAG, d, 10, PULL);
+    draw(p, &v, "hooked");
+    pull(p, &hooked, SCENE_SNAG, NULL);
+    for (i = 0; i < REST; i++) advance(p, 10, -1);
     draw(p, &v, "snag");
-    free(layout), free(nodes);
+    scene_woven_unhook(&hooked);
 }
 
 static void pullout(piece *p) {
     enum { WARPS = 30, WEFTS = 24 };
-    static const ex_yarns_view v = {1000, 480, 0, {0.2, 0.7, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1};
+    static const ex_yarns_view v = {1000, 480, 1, {0.2, 0.7, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1};
     double d[3] = {0.0, 0.0, 0.0};
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
-    d[0] = 0.6 * p->weave.size[0], d[1] = 0.1 * d[0];
-    draw_out(p, yarn_of(p, YC_WEFT, WEFTS / 2), -1, d, WARPS, 60);
+    mark(p, YC_WEFT, WEFTS / 2), d[0] = 0.6 * p->weave.size[0], d[2] = 0.1 * d[0];
+    piece_start(p, &p->yarns);
+    draw_out(p, &p->yarns, SCENE_PULLOUT, d, 6, 60);
     draw(p, &v, "pullout");
 }
 
 static void fray(piece *p) {
     enum { WARPS = 24, WEFTS = 24 };
-    static const ex_yarns_view v = {900, 700, 0, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1};
+    static const ex_yarns_view v = {900, 700, 1, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1};
     double d[3];
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
-    d[0] = 0.35 * p->weave.size[0], d[1] = 0.1 * d[0], d[2] = -0.2 * d[0];
-    draw_out(p, yarn_of(p, YC_WARP, WARPS - 1), 0, d, WARPS - 2, 60);
+    mark(p, YC_WARP, WARPS - 1), d[0] = 0.35 * p->weave.size[0], d[1] = 0.2 * d[0], d[2] = 0.1 * d[0];
+    piece_start(p, &p->yarns);
+    draw_out(p, &p->yarns, SCENE_FRAY, d, 6, 60);
     draw(p, &v, "fray");
 }
 
 static void strip(piece *p) {
-    enum { WARPS = 10, WEFTS = 40, PULL = 50 };
-    static const ex_yarns_view v = {1100, 500, 0, {0.9, 0.8, 0.25}, 1.0, {0.0, 0.0}, 1.9, 1};
+    enum { WARPS = 10, WEFTS = 40 };
+    static const ex_yarns_view v = {1100, 500, 1, {0.9, 0.8, 0.25}, 1.0, {0.0, 0.0}, 1.9, 1};
     double d[3] = {0.0, 0.0, 0.0};
-    int i, a, b;
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
-    if (!p->ok) return;
-    a = node_of(p, YC_WARP, WARPS / 2, -1), b = node_of(p, YC_WARP, WARPS / 2 - 1, 0);
-    p->pulled[0] = yarn_of(p, YC_WARP, WARPS / 2), p->pulled[1] = yarn_of(p, YC_WARP, WARPS / 2 - 1);
-    p->pulled_count = 2;
+    mark(p, YC_WARP, WARPS / 2), mark(p, YC_WARP, WARPS / 2 - 1), d[1] = 0.15 * p->weave.size[1];
     piece_start(p, &p->yarns);
-    for (i = 1; i <= PULL && p->ok; i++) {
-        d[2] = -0.15 * p->weave.size[1] * i / PULL;
-        draw_to(p, a, d);
-        d[2] = -d[2];
-        draw_to(p, b, d);
-        advance(p, 5, a);
-    }
+    draw_out(p, &p->yarns, SCENE_STRIP, d, 5, 50);
     draw(p, &v, "strip");
 }
 
-/* Moves the 3 x 3 crossings at two opposite corners apart along the diagonal; d NULL: lets the second go. */
-static void clamp(piece *p, int side, const double d[3]) {
-    static const double nowhere[3] = {0.0, 0.0, 0.0};
-    int i, k;
-    for (i = 0; i < 3; i++)
-        for (k = 0; k < 3; k++) {
-            draw_to(p, node_of(p, YC_WARP, i, k + 1), nowhere);
-            draw_to(p, node_of(p, YC_WARP, side - 1 - i, -2 - k), d);
-        }
-}
-
-/* From one of those corners to the other. */
+/* From one corner to the other. */
 static double diagonal(piece *p, int side) {
     double(*x)[3], length = 0.0;
     yc_yarns now;
@@ -307,7 +223,8 @@ static double diagonal(piece *p, int side) {
     x = calloc((size_t)now.node_count, sizeof *x);
     if (!x) fine(p, YC_ERROR_MEMORY, "positions");
     else if (worked(p, yc_scene_positions(p->scene, 0, YC_NODE, x))) {
-        const double *a = x[node_of(p, YC_WARP, 0, 1)], *b = x[node_of(p, YC_WARP, side - 1, -2)];
+        const double *a = x[scene_woven_node(&p->yarns, YC_WARP, 0, 1)],
+                     *b = x[scene_woven_node(&p->yarns, YC_WARP, side - 1, -2)];
         length = sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
     }
     free(x);
@@ -316,7 +233,7 @@ static double diagonal(piece *p, int side) {
 
 static void corner(piece *p) {
     enum { SIDE = 26, PULL = 40, BACK = 60 };
-    static const ex_yarns_view v = {520, 520, 0, {0.0, 0.95, 0.1}, 1.0, {0.0, 0.0}, 1.9, 1};
+    static const ex_yarns_view v = {520, 520, 1, {0.0, 0.95, 0.1}, 1.0, {0.0, 0.0}, 1.9, 1};
     double d[3] = {0.0, 0.0, 0.0};
     ex_image *shown[2], *all;
     ex_camera eyes;
@@ -326,13 +243,10 @@ static void corner(piece *p) {
     if (!p->ok) return;
     piece_start(p, &p->yarns);
     length[0] = diagonal(p, SIDE);
-    for (i = 1; i <= PULL && p->ok; i++) {
-        d[0] = 0.2 * p->weave.size[0] * i / PULL, d[2] = -d[0];
-        clamp(p, SIDE, d);
-        advance(p, 5, node_of(p, YC_WARP, SIDE - 3, -4));
-    }
+    d[0] = d[1] = 0.2 * p->weave.size[0];
+    draw_out(p, &p->yarns, SCENE_CORNER, d, 5, PULL);
     length[1] = diagonal(p, SIDE), shown[0] = picture_of(p, &v, &eyes, 0);
-    clamp(p, SIDE, NULL);
+    pull(p, &p->yarns, SCENE_CORNER, NULL);
     for (i = 0; i < BACK; i++) advance(p, 10, -1);
     length[2] = diagonal(p, SIDE), shown[1] = picture_of(p, &v, &eyes, 1);
     if (p->ok)

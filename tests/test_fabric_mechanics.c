@@ -294,9 +294,9 @@ static void bundled(int n, int bundle, double value[6]) {
     scene_sample_free(s);
 }
 
-/* Single yarns and bundles of four. The border's share falls as 1 / n and is taken off by two swatches. Of bundles it is
- * larger, 12 % of 2HG at n = 6: their free ends beyond the last crossing are longer, against what bends them, and give
- * way instead of turning. What is left of that is 4 % of G where no tension helps; the rest agrees within 1 %. */
+/* Single yarns and bundles of four. The border's share falls as 1 / n and is taken off by two swatches. Of bundles it
+ * is larger, 12 % of 2HG at n = 6: their free ends beyond the last crossing are longer, against what bends them, and
+ * give way instead of turning. What is left of that is 4 % of G where no tension helps; the rest agrees within 1 %. */
 TEST(fabric_mechanics_bundles) {
     static const char *const names[6] = {"G", "2HG", "G under 100 N/m", "2HG under 100 N/m", "mass", "B"};
     double value[2][2][6];

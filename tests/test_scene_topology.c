@@ -1,5 +1,6 @@
 /* Yarn networks that change while a scene runs: pull-out, fraying, snags, breaks; and that nothing else is lost. */
 #include "internals.h"
+#include "scenes/woven.h"
 #include "test_scene.h"
 #include <math.h>
 #include <stdio.h>
@@ -49,19 +50,18 @@ static yc_yarn_material gripping(double preload) {
 }
 
 /* The node of end 0 or 1 of the k-th yarn of a family. */
-static int tip_of(const yc_yarns *y, int family, int k, int end) {
-    int i;
-    for (i = 0; i < y->yarn_count; i++)
-        if (y->yarn_family[i] == family && k-- == 0)
-            return y->visit_node[end ? y->yarn_first[i + 1] - 1 : y->yarn_first[i]];
-    return -1;
-}
+static int tip_of(const yc_yarns *y, int family, int k, int end) { return scene_woven_node(y, family, k, -end); }
 
 static void draw_node(swatch *w, int node, double dx, double dz) {
-    double at[3];
-    memcpy(at, w->yarns.layout[node], sizeof at);
-    at[0] += dx, at[2] += dz;
-    CHECK_RESULT(yc_scene_pin(w->scene, 0, YC_NODE, node, at), YC_OK);
+    double by[3] = {0.0, 0.0, 0.0};
+    by[0] = dx, by[2] = dz;
+    CHECK_RESULT(scene_woven_draw(w->scene, &w->yarns, node, by), YC_OK);
+}
+
+static void pull(swatch *w, scene_pull what, double dx) {
+    double by[3] = {0.0, 0.0, 0.0};
+    by[0] = dx;
+    CHECK_RESULT(scene_woven_pull(w->scene, &w->yarns, what, by), YC_OK);
 }
 
 /* What holds after every step and every event. */
@@ -110,27 +110,18 @@ static int count_events(const yc_scene *scene, yc_event_type type) {
 
 /* ---- pull-out ------------------------------------------------------------------------------------------------- */
 
-static void hold_warps(swatch *w) {
-    int k;
-    for (k = 0; k < SIDE; k++) {
-        draw_node(w, tip_of(&w->yarns, YC_WARP, k, 0), 0.0, 0.0);
-        draw_node(w, tip_of(&w->yarns, YC_WARP, k, 1), 0.0, 0.0);
-    }
-}
-
 /* A weft drawn out by its right end leaves the warps from left to right, and each takes its share of friction. */
 static void check_pull_out(double crimp) {
     yc_yarn_material yarn = gripping(0.05);
     swatch w = swatch_new(NULL, SIDE, &yarn, crimp, 0);
     double plateau[SIDE + 1], force[3], last = 0.0;
-    int tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), weft = SIDE + SIDE / 2, step, i, n, released = 0, loose = 0,
+    int tip = scene_woven_drawn(&w.yarns, SCENE_PULLOUT), weft = SIDE + SIDE / 2, step, i, n, released = 0, loose = 0,
         ok = 1;
     memset(plateau, 0, sizeof plateau);
-    hold_warps(&w);
     for (step = 1; step <= 140 && ok; step++) {
         const yc_event *e;
         yc_stats stats;
-        draw_node(&w, tip, 0.05 * 5e-3 * step, 0.0);
+        pull(&w, SCENE_PULLOUT, 0.05 * 5e-3 * step);
         ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, &stats), YC_OK) && sound(&w);
         e = yc_scene_events(w.scene, &n);
         CHECK(stats.events == n);
@@ -164,15 +155,14 @@ TEST(scene_topology_pull_out_of_crimped_cloth) { check_pull_out(0.06); }
 TEST(scene_topology_pull_out_of_shirting) {
     yc_fabric shirting;
     swatch w;
-    int tip, step, newton = 0, substeps = 0, rejected = 0, released = 0, split = 0, i, ok = 1;
+    int step, newton = 0, substeps = 0, rejected = 0, released = 0, split = 0, i, ok = 1;
     double highest = 0.0, radius;
     CHECK_RESULT(yc_fabric_get(YC_FABRIC_SHIRTING, &shirting), YC_OK);
     w = swatch_of(NULL, SIDE, shirting.weave, 0);
-    tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), radius = shirting.weave.weft.radius;
-    hold_warps(&w);
+    radius = shirting.weave.weft.radius;
     for (step = 1; step <= 60 && ok; step++) {
         yc_stats stats;
-        draw_node(&w, tip, 0.02 * 5e-3 * step, 0.0);
+        pull(&w, SCENE_PULLOUT, 0.02 * 5e-3 * step);
         ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, &stats), YC_OK) && sound(&w);
         newton += stats.newton, substeps += stats.substeps, rejected += stats.rejected;
         released += count_events(w.scene, YC_EVENT_RELEASE), split += count_events(w.scene, YC_EVENT_SPLIT);
@@ -191,19 +181,18 @@ TEST(scene_topology_held) {
     int way;
     for (way = 0; way < 2; way++) {
         swatch w = swatch_new(NULL, SIDE, &yarn, 0.0, way == 0);
-        int tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), step, ok = 1;
+        int step, ok = 1;
         double force[3];
         if (way) { /* the far end of that weft; the scene's own copy, since nothing else needs another network here */
             yc_yarns *own = &w.scene->cloth[0].yarns;
             own->visit_held[own->yarn_first[SIDE + SIDE / 2]] = 2;
         }
-        hold_warps(&w);
         for (step = 1; step <= 30 && ok; step++) {
-            draw_node(&w, tip, 0.02 * 5e-3 * step, 0.0);
+            pull(&w, SCENE_PULLOUT, 0.02 * 5e-3 * step);
             ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK) && sound(&w);
             CHECK(count_events(w.scene, YC_EVENT_RELEASE) == 0);
         }
-        CHECK_RESULT(yc_scene_pin_force(w.scene, 0, YC_NODE, tip, force), YC_OK);
+        CHECK_RESULT(yc_scene_pin_force(w.scene, 0, YC_NODE, scene_woven_drawn(&w.yarns, SCENE_PULLOUT), force), YC_OK);
         CHECK(force[0] > 1.2 * SIDE * 0.3 * 0.01);
         swatch_free(&w);
     }
@@ -211,30 +200,30 @@ TEST(scene_topology_held) {
 
 /* ---- fraying, snag -------------------------------------------------------------------------------------------- */
 
-/* The outermost warp is drawn off the edge by both its ends: all wefts slide out of it, from its ends inwards. */
+/* The outermost warp is drawn off the edge by its first end: all wefts slide out of it, or it out of them. */
 TEST(scene_topology_fray) {
     yc_yarn_material yarn = gripping(0.01);
     swatch w = swatch_new(NULL, SIDE, &yarn, 0.0, 0);
-    int ends[2], step, i, n, released = 0, loose = 0, seen[SIDE] = {0}, ok = 1;
-    ends[0] = tip_of(&w.yarns, YC_WARP, SIDE - 1, 0), ends[1] = tip_of(&w.yarns, YC_WARP, SIDE - 1, 1);
-    for (i = 0; i < SIDE; i++) draw_node(&w, tip_of(&w.yarns, YC_WEFT, i, 0), 0.0, 0.0);
-    for (step = 1; step <= 60 && ok; step++) {
+    int step, i, n, released = 0, loose = 0, seen[SIDE] = {0}, ok = 1;
+    for (step = 1; step <= 140 && ok; step++) {
         const yc_event *e;
-        for (i = 0; i < 2; i++) draw_node(&w, ends[i], 0.05 * 5e-3 * step, 0.0);
+        pull(&w, SCENE_FRAY, 0.05 * 5e-3 * step);
         ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK) && sound(&w);
         e = yc_scene_events(w.scene, &n);
         for (i = 0; i < n; i++) {
             if (e[i].type == YC_EVENT_RELEASE) {
-                CHECK(e[i].other == SIDE - 1 && e[i].yarn >= SIDE && !seen[e[i].yarn - SIDE]);
-                seen[e[i].yarn - SIDE] = 1, released++;
-            } else if (CHECK(e[i].type == YC_EVENT_LOOSE)) loose++, CHECK(e[i].yarn == SIDE - 1);
+                int weft = e[i].yarn > e[i].other ? e[i].yarn : e[i].other, warp = e[i].yarn + e[i].other - weft;
+                if (CHECK(warp == SIDE - 1 && weft >= SIDE && !seen[weft - SIDE])) seen[weft - SIDE] = 1;
+                released++;
+            } else if (e[i].type == YC_EVENT_SPLIT) CHECK(e[i].yarn == SIDE - 1);
+            else if (CHECK(e[i].type == YC_EVENT_LOOSE)) loose++, CHECK(e[i].yarn == SIDE - 1);
         }
     }
     CHECK(released == SIDE && loose == 1);
     swatch_free(&w);
 }
 
-/* A swatch over a mesh of GRID x GRID cells, whose lowest row of vertices has that alpha, the others 1. */
+/* A swatch over a mesh of GRID x GRID cells, whose highest row of vertices has that alpha, the others 1. */
 enum { GRID = 4, CORNERS = (GRID + 1) * (GRID + 1) };
 typedef struct meshed {
     double positions[CORNERS][3], uv[CORNERS][2], alpha[CORNERS];
@@ -252,7 +241,7 @@ static swatch swatch_on_mesh(meshed *m, double alpha) {
     for (i = 0; i < CORNERS; i++) {
         for (k = 0; k < 2; k++)
             m->positions[i][k] = m->uv[i][k] = SIDE * weave.spacing[k] * (k ? i / (GRID + 1) : i % (GRID + 1)) / GRID;
-        m->alpha[i] = i <= GRID ? alpha : 1.0;
+        m->alpha[i] = i / (GRID + 1) == GRID ? alpha : 1.0;
     }
     for (i = 0; i < 2 * GRID * GRID; i++) {
         int a = i / 2 + i / 2 / GRID, *t = m->triangles[i];
@@ -272,19 +261,16 @@ static swatch swatch_on_mesh(meshed *m, double alpha) {
     return w;
 }
 
-/* A weft drawn out of the middle, or the outermost warp peeled off by its upper end: releases, and how many yarns have
- * come loose. */
-static void leave_mesh(double alpha, int warp, int *released, int *loose) {
+/* Releases, and how many yarns have come loose. */
+static void leave_mesh(double alpha, scene_pull what, int *released, int *loose) {
     meshed *m = (meshed *)malloc(sizeof *m);
     swatch w = swatch_on_mesh(m, alpha);
-    int tip = warp ? tip_of(&w.yarns, YC_WARP, SIDE - 1, 1) : tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1), step, ok = 1, k;
+    int step, ok = 1;
     char why[YC_MESSAGE_SIZE];
-    if (!warp) hold_warps(&w);
-    for (k = 0; k < SIDE && warp; k++) draw_node(&w, tip_of(&w.yarns, YC_WEFT, k, 0), 0.0, 0.0);
     *released = *loose = 0;
     for (step = 1; step <= 140 && ok; step++) {
         yc_yarns now;
-        draw_node(&w, tip, 0.01 * SIDE * 2.5e-3 * step, 0.0);
+        pull(&w, what, 0.01 * SIDE * 2.5e-3 * step);
         ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK) && sound(&w);
         CHECK_RESULT(yc_scene_network(w.scene, 0, &now), YC_OK);
         if (!CHECK_RESULT(yc_yarns_check(&now, &m->mesh, why), YC_OK)) printf("   %s\n", why);
@@ -299,7 +285,7 @@ TEST(scene_topology_leave_a_mesh) {
     int released, loose, i;
     for (i = 0; i < 4; i++) {
         int kept = i == 3 ? 2 : 0;
-        leave_mesh(i % 2 ? 0.0 : 1.0, i / 2, &released, &loose);
+        leave_mesh(i % 2 ? 0.0 : 1.0, i < 2 ? SCENE_PULLOUT : SCENE_FRAY, &released, &loose);
         CHECK(released == SIDE - kept && loose == !kept);
     }
 }
@@ -371,17 +357,16 @@ static double crowded(double contact) {
     yc_weave_desc weave = yc_weave_desc_default();
     yc_yarn_material yarn = gripping(0.005);
     double touching = 2.0 * yarn.radius, least = HUGE_VAL;
-    int step, k, ok = 1, tip, merged = 0;
+    int step, k, ok = 1, merged = 0;
     swatch w;
     yarn.contact *= contact;
     weave.spacing[0] = weave.spacing[1] = 2.5 * touching, weave.warp = weave.weft = yarn;
-    w = swatch_of(NULL, SIDE, weave, 0), tip = tip_of(&w.yarns, YC_WEFT, SIDE / 2, 1);
-    hold_warps(&w);
+    w = swatch_of(NULL, SIDE, weave, 0);
     for (step = 1; step <= 80 && ok; step++) {
         double by = weave.spacing[0] * (step < 40 ? step : 40) / 40.0;
+        pull(&w, SCENE_PULLOUT, step > 40 ? 0.1 * weave.spacing[0] * (step - 40) : 0.0);
         for (k = 0; k < 4; k++)
             draw_node(&w, tip_of(&w.yarns, YC_WARP, SIDE / 2 - k / 2, k % 2), k / 2 ? by : -by, 0.0);
-        if (step > 40) draw_node(&w, tip, 0.1 * weave.spacing[0] * (step - 40), 0.0);
         ok = CHECK_RESULT(yc_scene_step(w.scene, 5e-3, NULL), YC_OK) && sound(&w);
         least = fmin(least, least_apart(&w, touching)), merged += count_events(w.scene, YC_EVENT_MERGE);
     }

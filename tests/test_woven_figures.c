@@ -1,6 +1,7 @@
 /* What woven yarns show as a whole, each with friction and without: a stretched and a skewed patch keep a set (after
  * MIX, Fig. 6), a strip drawn by two neighbouring yarns yields (MIX, Fig. 7), a snag draws a line that stays. All but
  * the strip are of the preset shirting, with its crimp and at its density. */
+#include "scenes/woven.h"
 #include "test.h"
 #include <math.h>
 #include <stdio.h>
@@ -12,9 +13,7 @@ static const double frame = 5e-3;
 
 typedef struct patch {
     yc_weave_desc weave;
-    yc_yarns yarns;         /* as woven */
-    double layout[MOST][3]; /* and as it starts, where one of its crossings is hooked */
-    int visit_node[2 * MOST];
+    yc_yarns yarns, start; /* as woven, and as it starts, where one of its crossings may be hooked */
     yc_scene *scene;
     double x[MOST][3];
     int events[5];
@@ -30,31 +29,8 @@ static yc_weave_desc shirting(double friction) {
     return f.weave;
 }
 
-/* The node that the k-th yarn of a family visits, from its start or, where `visit` is negative, from its end. */
-static int visit_of(const patch *p, int family, int k, int visit) {
-    const yc_yarns *y = &p->yarns;
-    int i = 0;
-    while (y->yarn_family[i] != family || k-- > 0) i++;
-    return visit < 0 ? y->yarn_first[i + 1] + visit : y->yarn_first[i] + visit;
-}
-
 static int node_of(const patch *p, int family, int k, int visit) {
-    return p->yarns.visit_node[visit_of(p, family, k, visit)];
-}
-
-/* At crossing (warp, weft) the weft gets a node of its own, the last, and passes the warp by. */
-static yc_yarns hook(patch *p, int warp, int weft) {
-    yc_yarns out = p->yarns;
-    int visit = visit_of(p, YC_WEFT, weft, warp + 1), node = out.visit_node[visit], i;
-    if (!CHECK(out.node_count < MOST && out.visit_count <= 2 * MOST)) exit(1);
-    memcpy(p->layout, out.layout, (size_t)out.node_count * sizeof *p->layout);
-    memcpy(p->layout[out.node_count], out.layout[node], sizeof *p->layout);
-    memcpy(p->visit_node, out.visit_node, (size_t)out.visit_count * sizeof *p->visit_node);
-    for (i = 0; i < out.visit_count; i++)
-        if (out.visit_node[i] == node) out.visit_layer[i] = 0, out.visit_held[i] = 1, out.visit_height[i] = 0.0;
-    p->visit_node[visit] = out.node_count++;
-    out.layout = p->layout, out.visit_node = p->visit_node;
-    return out;
+    return scene_woven_node(&p->yarns, family, k, visit);
 }
 
 /* Free, in the xy plane, at rest where it was woven; hooked in the middle or not. */
@@ -62,30 +38,36 @@ static patch *patch_new(int warps, int wefts, const yc_weave_desc *weave, int ho
     patch *p = (patch *)calloc(1, sizeof *p);
     yc_scene_desc settings = yc_scene_desc_default();
     yc_cloth_desc cloth = yc_cloth_desc_default();
-    yc_yarns start;
     if (!p) exit(1);
     p->weave = *weave;
     p->weave.size[0] = warps * weave->spacing[0], p->weave.size[1] = wefts * weave->spacing[1];
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.mass_damping = 20.0;
     CHECK_RESULT(yc_weave(NULL, &p->weave, NULL, &p->yarns, NULL), YC_OK);
-    start = hooked ? hook(p, warps / 2, wefts / 2) : p->yarns;
-    cloth.yarns = &start, cloth.hold_sliding = hold_sliding;
+    p->start = p->yarns;
+    if (hooked && !scene_woven_hook(&p->yarns, &p->start)) exit(1);
+    cloth.yarns = &p->start, cloth.hold_sliding = hold_sliding;
     CHECK_RESULT(yc_scene_create(NULL, &settings, &p->scene, NULL), YC_OK);
     if (!CHECK_RESULT(yc_scene_add_cloth(p->scene, &cloth, NULL), YC_OK)) exit(1);
     return p;
 }
 
 static void patch_free(patch *p) {
+    if (p->start.layout != p->yarns.layout) scene_woven_unhook(&p->start);
     yc_scene_destroy(p->scene), yc_yarns_destroy(&p->yarns);
     free(p);
 }
 
 static void draw(patch *p, int node, double dx, double dy, double dz) {
-    double at[3];
-    memcpy(at, node < p->yarns.node_count ? p->yarns.layout[node] : p->layout[node], sizeof at);
-    at[0] += dx, at[1] += dy, at[2] += dz;
-    CHECK_RESULT(yc_scene_pin(p->scene, 0, YC_NODE, node, at), YC_OK);
+    double by[3];
+    by[0] = dx, by[1] = dy, by[2] = dz;
+    CHECK_RESULT(scene_woven_draw(p->scene, &p->start, node, by), YC_OK);
+}
+
+static void pull(patch *p, scene_pull what, double dx, double dy, double dz) {
+    double by[3];
+    by[0] = dx, by[1] = dy, by[2] = dz;
+    CHECK_RESULT(scene_woven_pull(p->scene, &p->start, what, by), YC_OK);
 }
 
 static void let_go(patch *p, int node) { CHECK_RESULT(yc_scene_unpin(p->scene, 0, YC_NODE, node), YC_OK); }
@@ -217,21 +199,16 @@ static double skewed(double friction, int hold_sliding) {
     enum { SIDE = 10 };
     yc_weave_desc weave = shirting(friction);
     patch *p = patch_new(SIDE, SIDE, &weave, hold_sliding, 0);
-    int i, k, step, ends[2], ok = advance(p, 1);
+    int step, ends[2], ok = advance(p, 1);
     double rest, strain;
     ends[0] = node_of(p, YC_WARP, 0, 1), ends[1] = node_of(p, YC_WARP, SIDE - 1, -2);
     rest = distance(p, ends[0], ends[1]);
-    for (i = 0; i < 2; i++)
-        for (k = 0; k < 2; k++) draw(p, node_of(p, YC_WARP, i, k + 1), 0.0, 0.0, 0.0);
     for (step = 1; step <= 20 && ok; step++) {
         double d = 0.15 * step / 20.0;
-        for (i = 0; i < 2; i++)
-            for (k = 0; k < 2; k++)
-                draw(p, node_of(p, YC_WARP, SIDE - 1 - i, -2 - k), d * p->weave.size[0], d * p->weave.size[1], 0.0);
+        pull(p, SCENE_CORNER, d * p->weave.size[0], d * p->weave.size[1], 0.0);
         ok = advance(p, 1);
     }
-    for (i = 0; i < 2; i++)
-        for (k = 0; k < 2; k++) let_go(p, node_of(p, YC_WARP, SIDE - 1 - i, -2 - k));
+    CHECK_RESULT(scene_woven_pull(p->scene, &p->start, SCENE_CORNER, NULL), YC_OK);
     if (ok) advance(p, 100);
     strain = distance(p, ends[0], ends[1]) / rest - 1.0;
     patch_free(p);
@@ -263,15 +240,13 @@ static double strip(double friction, double preload) {
     yc_weave_desc weave = yc_weave_desc_default();
     double most = 0.0, last = 0.0, hold, law, c, force[3];
     patch *p;
-    int a, b, step, ok = 1;
+    int step, ok = 1;
     weave.warp.preload = preload, weave.warp.friction = friction, weave.weft = weave.warp;
     p = patch_new(WARPS, WEFTS, &weave, 0, 0);
-    a = node_of(p, YC_WARP, WARPS / 2, -1), b = node_of(p, YC_WARP, WARPS / 2 - 1, 0);
     for (step = 1; step <= 102 && ok; step++) { /* by 17 spacings: enough wherever the rest of the strip goes */
-        double d = 17.0 * weave.spacing[1] * step / 102.0;
-        draw(p, a, 0.0, d, 0.0), draw(p, b, 0.0, -d, 0.0);
+        pull(p, SCENE_STRIP, 0.0, 17.0 * weave.spacing[1] * step / 102.0, 0.0);
         ok = advance(p, 1);
-        CHECK_RESULT(yc_scene_pin_force(p->scene, 0, YC_NODE, a, force), YC_OK);
+        CHECK_RESULT(yc_scene_pin_force(p->scene, 0, YC_NODE, scene_woven_drawn(&p->start, SCENE_STRIP), force), YC_OK);
         last = sqrt(force[0] * force[0] + force[1] * force[1] + force[2] * force[2]);
         most = fmax(most, last);
     }
@@ -313,12 +288,10 @@ static snagged snag(double friction) {
     enum { WARPS = 24, WEFTS = 10, HIGH = 3 };
     yc_weave_desc weave = shirting(friction);
     patch *p = patch_new(WARPS, WEFTS, &weave, 0, 1);
-    int i, k, step, loop = p->yarns.node_count, ok = 1;
+    int step, loop = scene_woven_drawn(&p->start, SCENE_SNAG), ok = 1;
     snagged out;
-    for (i = 0; i < WARPS; i++)
-        for (k = 0; k < 2; k++) draw(p, node_of(p, YC_WARP, i, -k), 0.0, 0.0, 0.0);
     for (step = 1; step <= 40 && ok; step++)
-        draw(p, loop, 0.0, 0.0, HIGH * weave.spacing[0] * step / 40.0), ok = advance(p, 1);
+        pull(p, SCENE_SNAG, 0.0, 0.0, HIGH * weave.spacing[0] * step / 40.0), ok = advance(p, 1);
     out.hooked = slid_in(p, WEFTS / 2);
     let_go(p, loop);
     if (ok) advance(p, 80);
