@@ -77,6 +77,7 @@ static double (*curtain_steps(yc_solver solver, int stitches, double dt, int ste
     settings.solver = solver, settings.dt_max = dt, settings.tolerance = 1e-7;
     knit.stitches = knit.rows = stitches;
     curtain = scene_curtain_new(NULL, &settings, scene_stockinette, &knit, why);
+    memset(stats, 0, sizeof *stats);
     if (!CHECK(curtain != NULL)) return NULL;
     while (steps-- > 0) CHECK_RESULT(yc_scene_step(curtain->scene, dt, stats), YC_OK);
     *count = curtain->yarns.node_count;
@@ -97,7 +98,7 @@ TEST(scene_solver_knit_two_levels_are_direct) {
     b = curtain_steps(YC_SOLVER_TWO_LEVEL, 12, 1e-3, 3, &two, &count);
     CHECK(two.solver == YC_SOLVER_TWO_LEVEL && two.substeps == 1);
     CHECK(two.newton <= 2 * direct.newton && two.linear <= 20 * two.newton);
-    CHECK_NEAR_ALL(&a[0][0], &b[0][0], 3 * count, 1e-6);
+    if (a && b) CHECK_NEAR_ALL(&a[0][0], &b[0][0], 3 * count, 1e-6);
     free(a), free(b);
 }
 
