@@ -11,9 +11,9 @@
  * piece   the sleeve of a T-shirt, cut from stockinette and sewn up: its yarns end at the outline, or in the rod of the
  *         seam; edges that hang free roll up
  * sphere  six fabrics of one yarn and about as many stitches, fallen on spheres of 3 cm (YARN, Fig. 12): minutes
- * All but the piece are cast on and worked with one yarn of wool; the first four are bound off. All but unravel are laid
- * in their rest shape, and then let their contacts unwrap. Each prints a line and writes out/knit-NAME.png, as seen
- * from the right side. Weight is left out. */
+ * All but the piece are cast on and worked with one yarn of wool; the first four and the six are bound off. All but
+ * unravel are laid in their rest shape, and then let their contacts unwrap. Each prints a line and writes
+ * out/knit-NAME.png, as seen from the right side. Weight acts on the sphere only. */
 #include "common/ex_obj.h"
 #include "common/ex_yarns.h"
 #include "tests/scenes/knits.h"

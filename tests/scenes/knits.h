@@ -132,9 +132,9 @@ yc_result scene_knit_draw(scene_knit *knit, int axis, double step, double force,
 /* The stretch at a force, from the first length at which it pulls; NaN where the curve ends before. */
 double scene_knit_pull_at(const scene_knit_pull *pull, double force);
 
-/* A piece of yarn without friction settles, as washing and tumbling do it. From then on its yarns rub by `friction`. Its
- * outermost columns are drawn apart by about that share of its width and let go, and it settles again. Receives how wide
- * its stitches are each time, m, whether it curls or not. */
+/* A piece of yarn without friction settles, as washing and tumbling do it. From then on its yarns rub by `friction`.
+ * Its outermost columns are drawn apart by about that share of its width and let go, and it settles again. Receives how
+ * wide its stitches are each time, m, whether it curls or not. */
 enum { SCENE_BEFORE, SCENE_DRAWN, SCENE_AFTER, SCENE_PHASES };
 yc_result scene_knit_overstretch(scene_knit *knit, double friction, double stretch, double width[SCENE_PHASES]);
 
