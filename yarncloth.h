@@ -10722,7 +10722,7 @@ YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns
  *   shear        (1/2) k L (phi - phi_0)^2 + 999 k L g(|phi - phi_0| - limit), phi in [0, pi] between two edges.
  *   contact      (k/d) g(d - du), the neighbouring crossings of one yarn. Convex: projected is exact.
  *   floor        k d b(du/d), b(t) = -(t - 1)^2 log t below 1, 0 above (C2, convex, without bound at 0): no segment
- *                vanishes between two steps. In a weave it acts below half of the touching distance. Projected is exact.
+ *                vanishes between two steps. In a weave it acts below half a touching distance. Projected is exact.
  *   friction     (1/2) k s^2 to |s| = limit/k, linear beyond, s = u - anchor (YARN 4.4). Projected is limit/|s| where
  *                it slips, the parabola that touches from above: with the exact zero Newton would overshoot forever.
  *   wrapping     k L (1 - s_p s_q cos(psi - psi_0)), s_p, s_q the sines of two tails' angles to a stitch contact's
@@ -14116,8 +14116,8 @@ static yc_result yci_system_factor(yci_system *s) {
  * contact of adjacent yarns balance, flat. Friction holds the yarn about where it was worked, else holes of lace close
  * and their yarn goes to loops elsewhere: springs, since what presses a contact is not known here, but of the order of
  * what bends a segment. With a tenth of them lace has the same pattern, and the gauge of plain knitting and ribs, whose
- * loops hardly pull on each other, is the same to 0.3 %; ten times as much keeps loops as wide as they are laid. Repeats
- * that wrap in space gave hardly another gauge: stockinette the same, garter 0.99 of its height, 1x1 rib 0.52 of its
+ * loops hardly pull on each other, is the same to 0.3 %; ten times as much keeps loops as wide as they are laid.
+ * Repeats that wrap in space gave hardly another gauge: stockinette the same, garter 0.99 of its height, 1x1 rib 0.52 of its
  * width, about what pieces draw in to from the flat shape; with sliding too, garter became higher by a tenth, not
  * lower.
  *

@@ -1,6 +1,6 @@
 /* Knits that are left to themselves, drawn yarn by yarn.
  *
- *     knit [curl|rib|garter|lace|unravel|piece]      all of them without a name
+ *     knit [curl|rib|garter|lace|unravel|piece|sphere]      all of them without a name
  *
  * curl    stockinette: its sides roll towards the purl side, its ends towards the knit side (after YARN, Fig. 7), until
  *         they lie on it; four loops of its middle are held, without which it would roll up into two scrolls
@@ -10,9 +10,10 @@
  * unravel garter that is not bound off; its end is drawn off sideways, and it comes undone loop by loop (YARN, Fig. 13)
  * piece   the sleeve of a T-shirt, cut from stockinette and sewn up: its yarns end at the outline, or in the rod of the
  *         seam; edges that hang free roll up
- * All but the last are cast on and worked with one yarn of wool; the first four are bound off. All but unravel are laid
- * in their rest shape, and then let their contacts unwrap. Each prints a line and writes out/knit-NAME.png, as seen
- * from the right side. Weight is left out. */
+ * sphere  six fabrics of one yarn and about as many stitches, fallen on spheres of 3 cm (YARN, Fig. 12): minutes
+ * All but the piece are cast on and worked with one yarn of wool; the first four and the six are bound off. All but
+ * unravel are laid in their rest shape, and then let their contacts unwrap. Each prints a line and writes
+ * out/knit-NAME.png, as seen from the right side. Weight acts on the sphere only. */
 #include "common/ex_obj.h"
 #include "common/ex_yarns.h"
 #include "tests/scenes/knits.h"
@@ -221,12 +222,62 @@ static int cut_piece(void) {
     return !why[0];
 }
 
+/* The same camera for all. */
+static int sphere(void) {
+    enum { WIDE = 640, HIGH = 560, ROWS = 16 };
+    static const double radius = 0.016;
+    static const double colors[SCENE_FABRICS][1][3] = {{{0.93, 0.91, 0.87}}, {{0.74, 0.34, 0.27}}, {{0.30, 0.43, 0.62}},
+        {{0.27, 0.50, 0.47}}, {{0.85, 0.66, 0.33}}, {{0.60, 0.45, 0.60}}}; /* a piece is one yarn */
+    const yc_yarn_material wool = scene_soft_wool();
+    ex_image *image = ex_image_new(3 * WIDE, 2 * HIGH, 255, 255, 255);
+    char why[YC_MESSAGE_SIZE] = "";
+    int i, j;
+    for (i = 0; i < SCENE_FABRICS && image && !why[0]; i++) {
+        const scene_fabric *f = &scene_fabrics[i];
+        scene_knit *k = scene_knit_new_above(*f->rows, f->stitches, ROWS, &wool, radius, why);
+        scene_knit_drape d;
+        ex_yarns_view view;
+        ex_camera camera;
+        ex_image *panel = NULL;
+        double ball[4];
+        if (k && scene_knit_fall(k, 0.02, 10) != YC_OK) snprintf(why, sizeof why, "%s", yc_scene_message(k->scene));
+        if (!k || why[0]) {
+            scene_knit_free(k);
+            break;
+        }
+        d = scene_knit_hang(k);
+        printf("sphere  %-18s %2d x %2d  shadow %.2f of flat, %.1f mm deep; %d sub-steps, %.1f Newton iterations each, "
+               "%.1f s\n",
+            f->name, f->stitches, ROWS, d.shadow, 1e3 * d.depth, k->substeps, (double)k->newton / k->substeps,
+            k->seconds);
+        fflush(stdout);
+        memset(&view, 0, sizeof view), memset(&camera, 0, sizeof camera);
+        ball[0] = k->centre[0], ball[1] = k->centre[2], ball[2] = -k->centre[1], ball[3] = radius;
+        view.width = WIDE, view.height = HIGH, view.z_up = 1, view.fuller = 1.0, view.ball = ball;
+        camera.up[1] = 1.0, camera.fov = 24.0;
+        for (j = 0; j < 3; j++) camera.target[j] = ball[j];
+        camera.eye[0] = ball[0] + 0.055, camera.eye[1] = ball[1] + 0.1, camera.eye[2] = ball[2] + 0.135;
+        panel = ex_yarns_draw(k->scene, 0, &view, colors[i], &camera, 1, why);
+        if (panel) {
+            ex_image_text(panel, (WIDE - ex_image_text_width(2, f->name)) / 2, HIGH - 30, 2, 0x404040, f->name);
+            ex_image_paste(image, panel, i % 3 * WIDE, i / 3 * HIGH);
+        }
+        ex_image_free(panel), scene_knit_free(k);
+    }
+    if (image && !why[0] && !ex_image_write_png(image, "out/knit-sphere.png"))
+        snprintf(why, sizeof why, "out/knit-sphere.png cannot be written");
+    ex_image_free(image);
+    if (why[0]) fprintf(stderr, "knit: sphere: %s\n", why);
+    return !why[0];
+}
+
 int main(int argc, char **argv) {
     int i, n = (int)(sizeof pieces / sizeof *pieces), found = 0, fine = 1;
     for (i = 0; i < n; i++)
         if (argc < 2 || strcmp(argv[1], pieces[i].name) == 0) found++, fine &= run(pieces + i);
     if (argc < 2 || strcmp(argv[1], "unravel") == 0) found++, fine &= unravel();
     if (argc < 2 || strcmp(argv[1], "piece") == 0) found++, fine &= cut_piece();
-    if (!found) fprintf(stderr, "knit: %s is none of curl, rib, garter, lace, unravel, piece\n", argv[1]);
+    if (argc < 2 || strcmp(argv[1], "sphere") == 0) found++, fine &= sphere();
+    if (!found) fprintf(stderr, "knit: %s is none of curl, rib, garter, lace, unravel, piece, sphere\n", argv[1]);
     return !(found && fine);
 }

@@ -162,7 +162,7 @@ static void draw(piece *p, const ex_yarns_view *v, const char *name) {
 
 static void snag(piece *p) {
     enum { WARPS = 36, WEFTS = 30, PULL = 50, REST = 40 };
-    static const ex_yarns_view v = {900, 500, 1, {0.12, 0.62, 0.95}, 1.14, {0.0, 0.0}, 1.9, 1};
+    static const ex_yarns_view v = {900, 500, 1, {0.12, 0.62, 0.95}, 1.14, {0.0, 0.0}, 1.9, 1, NULL};
     double d[3] = {0.0, 0.0, 0.0};
     yc_yarns hooked;
     int i;
@@ -184,7 +184,7 @@ static void snag(piece *p) {
 
 static void pullout(piece *p) {
     enum { WARPS = 30, WEFTS = 24 };
-    static const ex_yarns_view v = {1000, 480, 1, {0.2, 0.7, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1};
+    static const ex_yarns_view v = {1000, 480, 1, {0.2, 0.7, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1, NULL};
     double d[3] = {0.0, 0.0, 0.0};
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
     mark(p, YC_WEFT, WEFTS / 2), d[0] = 0.6 * p->weave.size[0], d[2] = 0.1 * d[0];
@@ -195,7 +195,7 @@ static void pullout(piece *p) {
 
 static void fray(piece *p) {
     enum { WARPS = 24, WEFTS = 24 };
-    static const ex_yarns_view v = {900, 700, 1, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1};
+    static const ex_yarns_view v = {900, 700, 1, {0.3, 0.8, 0.9}, 1.0, {0.0, 0.0}, 1.9, 1, NULL};
     double d[3];
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
     mark(p, YC_WARP, WARPS - 1), d[0] = 0.35 * p->weave.size[0], d[1] = 0.2 * d[0], d[2] = 0.1 * d[0];
@@ -206,7 +206,7 @@ static void fray(piece *p) {
 
 static void strip(piece *p) {
     enum { WARPS = 10, WEFTS = 40 };
-    static const ex_yarns_view v = {1100, 500, 1, {0.9, 0.8, 0.25}, 1.0, {0.0, 0.0}, 1.9, 1};
+    static const ex_yarns_view v = {1100, 500, 1, {0.9, 0.8, 0.25}, 1.0, {0.0, 0.0}, 1.9, 1, NULL};
     double d[3] = {0.0, 0.0, 0.0};
     piece_weave(p, WARPS, WEFTS, 0.02, 1.0);
     mark(p, YC_WARP, WARPS / 2), mark(p, YC_WARP, WARPS / 2 - 1), d[1] = 0.15 * p->weave.size[1];
@@ -233,7 +233,7 @@ static double diagonal(piece *p, int side) {
 
 static void corner(piece *p) {
     enum { SIDE = 26, PULL = 40, BACK = 60 };
-    static const ex_yarns_view v = {520, 520, 1, {0.0, 0.95, 0.1}, 1.0, {0.0, 0.0}, 1.9, 1};
+    static const ex_yarns_view v = {520, 520, 1, {0.0, 0.95, 0.1}, 1.0, {0.0, 0.0}, 1.9, 1, NULL};
     double d[3] = {0.0, 0.0, 0.0};
     ex_image *shown[2], *all;
     ex_camera eyes;

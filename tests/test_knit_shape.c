@@ -28,8 +28,7 @@ TEST(knit_stockinette_curls) {
     scene_knit_shape before, after, later;
     int i;
     if (settled(scene_stockinette, 14, 14, 1, 80, &k, &before, &after)) {
-        printf(
-            "   sides %.0f %.0f, ends %.0f %.0f, middle %.0f degrees; moved by %.2f radii in the last of %d sub-steps\n",
+        printf("   sides %.0f %.0f, ends %.0f %.0f, middle %.0f degrees; moved by %.2f radii in the last of %d steps\n",
             after.side[0] / degree, after.side[1] / degree, after.end[0] / degree, after.end[1] / degree,
             after.flat / degree, k->moved / k->desc.yarn.radius, k->substeps);
         CHECK(before.flat < 2.0 * degree && k->moved < 0.2 * k->desc.yarn.radius);

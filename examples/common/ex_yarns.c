@@ -73,6 +73,32 @@ static yc_result drawing_make(
     return yc_curves_make(NULL, yarns, (const double(*)[3])d->nodes, desc, c, message);
 }
 
+/* A ball, by latitude and longitude. */
+static void draw_ball(ex_scene *picture, const double *ball) {
+    enum { ROUND = 64, ROWS = 32 };
+    const double pi = 3.14159265358979323846;
+    double(*at)[3] = calloc((size_t)(ROWS + 1) * ROUND, sizeof *at);
+    int(*triangles)[3] = calloc((size_t)2 * ROWS * ROUND, sizeof *triangles), i, j;
+    ex_material material;
+    ex_material_body(&material);
+    for (i = 0; at && i <= ROWS; i++)
+        for (j = 0; j < ROUND; j++) {
+            double *x = at[i * ROUND + j], around = ball[3] * sin(pi * i / ROWS);
+            x[0] = ball[0] + around * sin(2.0 * pi * j / ROUND), x[1] = ball[1] - ball[3] * cos(pi * i / ROWS);
+            x[2] = ball[2] + around * cos(2.0 * pi * j / ROUND);
+        }
+    for (i = 0; at && triangles && i < ROWS; i++)
+        for (j = 0; j < ROUND; j++) {
+            const int a = i * ROUND + j, b = i * ROUND + (j + 1) % ROUND, c = a + ROUND, d = b + ROUND;
+            int *t = triangles[2 * a];
+            t[0] = a, t[1] = b, t[2] = d, t[3] = a, t[4] = d, t[5] = c;
+        }
+    if (at && triangles)
+        ex_render_mesh(picture, (const double(*)[3])at, (ROWS + 1) * ROUND, (const int(*)[3])triangles,
+            2 * ROWS * ROUND, NULL, NULL, &material);
+    free(at), free(triangles);
+}
+
 ex_image *ex_yarns_draw(yc_scene *scene, int cloth, const ex_yarns_view *view, const double (*colors)[3],
     ex_camera *camera, int keep, char *message) {
     static const double by_family[3][3] = {{0.20, 0.33, 0.56}, {0.93, 0.91, 0.87}, {0.30, 0.30, 0.30}};
@@ -109,6 +135,7 @@ ex_image *ex_yarns_draw(yc_scene *scene, int cloth, const ex_yarns_view *view, c
         picture = ex_render_begin(view->width, view->height, camera, &look);
         ex_render_tubes(picture, (const double(*)[3])d.points, d.curves.first, d.curves.curve_count, d.radii,
             (const double(*)[3])d.colors, &thread);
+        if (view->ball) draw_ball(picture, view->ball);
         image = ex_render_finish(picture);
         if (!image) snprintf(message, YC_MESSAGE_SIZE, "no memory for a picture of the yarns");
     }

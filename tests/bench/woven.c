@@ -89,7 +89,7 @@ static void picture(const scene_sample *s) {
     static const double from[2][3] = {{0.0, 0.9, 0.35}, {0.5, 0.35, 0.9}};
     const yc_weave_desc *w = &s->weave;
     int flat = !strstr(picture_of, "drape") && !strstr(picture_of, "bending");
-    ex_yarns_view view = {900, 600, 1, {0.0, 0.0, 0.0}, 1.0, {0.0, 0.0}, 1.0, 1};
+    ex_yarns_view view = {900, 600, 1, {0.0, 0.0, 0.0}, 1.0, {0.0, 0.0}, 1.0, 1, NULL};
     char path[128], message[YC_MESSAGE_SIZE], *c;
     ex_camera camera;
     ex_image *image;

@@ -23,6 +23,16 @@ const char *const scene_chevron = "pattern: a\nRows 1, 3, 5, 7, 9, 11, 13, 15, 1
                                   "Rows 2, 4, 6, 8 and 10 (RS): K1, *ssk, k5, yo, repeat from *, k1.\n"
                                   "Rows 12, 14, 16, 18 and 20 (RS): K1, *yo, k5, k2tog, repeat from *, k1.\n";
 
+const scene_fabric scene_fabrics[SCENE_FABRICS] = {{"stockinette", &scene_stockinette, 18},
+    {"garter", &scene_garter, 18}, {"rib 1x1", &scene_rib, 18}, {"rib 2x2", &scene_rib2, 16},
+    {"feather and fan", &scene_feather, 18}, {"openwork diamonds", &scene_diamond, 17}};
+
+yc_yarn_material scene_soft_wool(void) {
+    yc_yarn_material wool = yc_knit_desc_default().yarn;
+    wool.wrap *= 0.25;
+    return wool;
+}
+
 static const double pi = 3.14159265358979323846;
 
 void scene_knit_free(scene_knit *k) {
@@ -50,38 +60,69 @@ static yc_yarns loosen(scene_knit *k) {
     return y;
 }
 
-static yc_result begin(scene_knit *k, char *message) {
+/* The sphere below the middle of the piece, and weight. */
+static yc_result put_sphere(scene_knit *k) {
+    yc_scene_desc settings = yc_scene_desc_default();
+    yc_body_desc body = yc_body_desc_default();
+    yc_primitive ball;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    int i, j;
+    yc_result result;
+    for (i = 0; i < k->yarns.node_count; i++)
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], k->start[i][j]), high[j] = fmax(high[j], k->start[i][j]);
+    memset(&ball, 0, sizeof ball);
+    ball.type = YC_SPHERE, ball.ra = k->sphere, ball.a[2] = -k->sphere - 3.0 * k->desc.yarn.radius;
+    for (j = 0; j < 2; j++) ball.a[j] = 0.5 * (low[j] + high[j]);
+    memcpy(k->centre, ball.a, sizeof k->centre);
+    body.primitive_count = 1, body.primitives = &ball, body.friction = 0.5;
+    settings.gravity[1] = 0.0, settings.gravity[2] = -9.81;
+    settings.dt_max = 2e-3, settings.mass_damping = 20.0, settings.stiffness_damping = 1e-3;
+    settings.solver = YC_SOLVER_DIRECT;
+    settings.self_contact = 1, settings.thickness = k->desc.yarn.radius;
+    result = yc_scene_tune(k->scene, &settings);
+    return result == YC_OK ? yc_scene_add_body(k->scene, &body, NULL) : result;
+}
+
+/* A scene of the network, which is copied, with its nodes at `at`, in place of the one that was. */
+static yc_result stage(scene_knit *k, const yc_yarns *y, const double (*at)[3], char *message) {
     yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
     yc_cloth_desc cloth = yc_cloth_desc_default();
-    const yc_yarn_material *yarn = &k->desc.yarn;
-    yc_yarns network = k->elastic ? loosen(k) : k->yarns, *y = &network;
-    double length = 2.0 * (y->visit_u[y->visit_count - 1] - y->visit_u[0]) / y->visit_count;
+    yc_scene *scene = NULL;
     yc_result result;
-    k->period = length * length * sqrt(yarn->density / yarn->bending);
     memset(settings.gravity, 0, sizeof settings.gravity);
     settings.dt_max = 10.0 * k->period, settings.dt_min = 1e-6 * k->period, settings.mass_damping = 0.2 / k->period;
-    settings.tolerance = 2e-3 * yarn->radius;
+    settings.tolerance = 2e-3 * k->desc.yarn.radius;
     settings.solver = YC_SOLVER_DIRECT;
-    settings.self_contact = 1, settings.thickness = yarn->radius;
-    cloth.yarns = y, cloth.hold_network = 1;
+    settings.self_contact = 1, settings.thickness = k->desc.yarn.radius;
+    cloth.yarns = y, cloth.yarn_positions = at, cloth.hold_network = 1;
+    result = yc_scene_create(NULL, &settings, &scene, message);
+    if (result != YC_OK) return result;
+    result = yc_scene_add_cloth(scene, &cloth, NULL);
+    yc_scene_destroy(k->scene);
+    k->scene = scene;
+    if (result == YC_OK && k->sphere > 0.0) result = put_sphere(k);
+    if (result != YC_OK && message) snprintf(message, YC_MESSAGE_SIZE, "%s", yc_scene_message(k->scene));
+    return result;
+}
+
+static yc_result begin(scene_knit *k, char *message) {
+    yc_yarns network = k->elastic ? loosen(k) : k->yarns, *y = &network;
+    double length = 2.0 * (y->visit_u[y->visit_count - 1] - y->visit_u[0]) / y->visit_count;
+    k->period = length * length * sqrt(k->desc.yarn.density / k->desc.yarn.bending);
     k->start = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->start);
     k->x = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->x);
     if (!k->start || !k->x) return YC_ERROR_MEMORY;
     memcpy(k->start, y->layout, (size_t)y->node_count * sizeof *k->start);
     memcpy(k->x, y->layout, (size_t)y->node_count * sizeof *k->x);
-    result = yc_scene_create(NULL, &settings, &k->scene, message);
-    if (result != YC_OK) return result;
-    result = yc_scene_add_cloth(k->scene, &cloth, NULL);
-    if (result != YC_OK && message) snprintf(message, YC_MESSAGE_SIZE, "%s", yc_scene_message(k->scene));
-    return result;
+    return stage(k, y, NULL, message);
 }
 
-static scene_knit *make(
-    const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, int elastic, char *message) {
+static scene_knit *make(const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, int elastic,
+    double sphere, char *message) {
     scene_knit *k = (scene_knit *)calloc(1, sizeof *k);
     yc_result result;
     if (!k) return NULL;
-    k->desc = yc_knit_desc_default(), k->elastic = elastic;
+    k->desc = yc_knit_desc_default(), k->elastic = elastic, k->sphere = sphere;
     k->desc.stitches = stitches, k->desc.rows = row_count;
     if (yarn) k->desc.yarn = *yarn;
     result = yc_chart_read(NULL, rows, strlen(rows), NULL, &k->chart, message);
@@ -96,12 +137,17 @@ static scene_knit *make(
 }
 
 scene_knit *scene_knit_new(const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message) {
-    return make(rows, stitches, row_count, yarn, 0, message);
+    return make(rows, stitches, row_count, yarn, 0, 0.0, message);
 }
 
 scene_knit *scene_knit_new_elastic(
     const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, char *message) {
-    return make(rows, stitches, row_count, yarn, 1, message);
+    return make(rows, stitches, row_count, yarn, 1, 0.0, message);
+}
+
+scene_knit *scene_knit_new_above(
+    const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, double sphere, char *message) {
+    return make(rows, stitches, row_count, yarn, 0, sphere, message);
 }
 
 yc_result scene_knit_hold(scene_knit *k) {
@@ -140,6 +186,73 @@ yc_result scene_knit_settle(scene_knit *k, int most) {
     }
     free(before);
     return result;
+}
+
+yc_result scene_knit_fall(scene_knit *k, double speed, int most) {
+    const double time = 0.02;
+    size_t bytes = (size_t)k->yarns.node_count * sizeof *k->x;
+    double(*before)[3] = (double(*)[3])malloc(bytes);
+    yc_result result = before ? YC_OK : YC_ERROR_MEMORY;
+    yc_stats stats;
+    int i;
+    k->moved = HUGE_VAL;
+    while (result == YC_OK && most-- > 0 && k->moved > speed * time) {
+        memcpy(before, k->x, bytes);
+        result = yc_scene_step(k->scene, time, &stats);
+        if (result == YC_OK) result = yc_scene_positions(k->scene, 0, YC_NODE, k->x);
+        k->newton += stats.newton, k->substeps += stats.substeps, k->rejected += stats.rejected;
+        k->seconds += stats.seconds;
+        for (k->moved = 0.0, i = 0; i < 3 * k->yarns.node_count; i++)
+            k->moved = fmax(k->moved, fabs(k->x[i / 3][i % 3] - before[i / 3][i % 3]));
+    }
+    free(before);
+    return result;
+}
+
+/* The area within a course of the yarn, as seen along z; holes of lace are closed by that. */
+static double shadow(const scene_knit *k, double (*x)[3]) {
+    enum { MOST = 256 };
+    const yc_yarns *y = &k->yarns;
+    const double wide = 1.0 / k->desc.courses;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, cell;
+    unsigned char *covered = (unsigned char *)calloc((size_t)MOST * MOST, 1);
+    int i, j, v, count = 0;
+    if (!covered) return NAN;
+    for (i = 0; i < y->node_count; i++)
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], x[i][j] - wide), high[j] = fmax(high[j], x[i][j] + wide);
+    cell = fmax(high[0] - low[0], high[1] - low[1]) / (MOST - 1);
+    for (v = 0; v + 1 < y->visit_count; v++) /* segments are shorter than a course */
+        for (i = (int)((x[y->visit_node[v]][0] - wide - low[0]) / cell);
+             i < MOST && low[0] + i * cell < x[y->visit_node[v]][0] + wide; i++)
+            for (j = (int)((x[y->visit_node[v]][1] - wide - low[1]) / cell);
+                 j < MOST && low[1] + j * cell < x[y->visit_node[v]][1] + wide; j++) {
+                double dx = low[0] + i * cell - x[y->visit_node[v]][0], dy = low[1] + j * cell - x[y->visit_node[v]][1];
+                if (dx * dx + dy * dy < wide * wide) covered[MOST * j + i] = 1;
+            }
+    for (i = 0; i < MOST * MOST; i++) count += covered[i];
+    free(covered);
+    return count * cell * cell;
+}
+
+scene_knit_drape scene_knit_hang(const scene_knit *k) {
+    scene_knit_drape d;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, top = -HUGE_VAL, deep = HUGE_VAL;
+    int i, j, count[2] = {0, 0};
+    memset(&d, 0, sizeof d);
+    for (i = 0; i < k->yarns.node_count; i++) {
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], k->start[i][j]), high[j] = fmax(high[j], k->start[i][j]);
+        top = fmax(top, k->x[i][2]), deep = fmin(deep, k->x[i][2]);
+    }
+    d.shadow = shadow(k, k->x) / shadow(k, k->start), d.depth = top - deep;
+    for (i = 0; i < k->yarns.node_count; i++)
+        for (j = 0; j < 2; j++) { /* the outermost stitches and rows */
+            const double *x = k->start[i], edge = 1.0 / (j ? k->desc.courses : k->desc.wales);
+            if (x[j] > low[j] + edge && x[j] < high[j] - edge) continue;
+            if (fabs(x[!j] - 0.5 * (low[!j] + high[!j])) > (high[!j] - low[!j]) / 6.0) continue;
+            d.low[j] += top - k->x[i][2], count[j]++;
+        }
+    for (j = 0; j < 2; j++) d.low[j] /= count[j] ? count[j] : 1;
+    return d;
 }
 
 /* The line of mean positions of columns (axis 0) or rows (axis 1), in the plane of that axis and z, from the layout's
@@ -384,4 +497,62 @@ double scene_knit_pull_at(const scene_knit_pull *p, double force) {
         if (b >= force) return (1.0 + p->stretch[n] + s * (force - a) / (b - a)) / (1.0 + first) - 1.0;
     }
     return NAN;
+}
+
+/* The mean distance of neighbouring loops of a row where neither is among the outer sixth on any side. */
+static double stitch_width(const scene_knit *k) {
+    const yc_yarns *y = &k->yarns;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, sum = 0.0;
+    int i, j, count = 0;
+    for (i = 0; i < y->node_count; i++)
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], k->start[i][j]), high[j] = fmax(high[j], k->start[i][j]);
+    for (i = 0; i + 8 < y->visit_count; i++) { /* a loop has eight visits */
+        const int a = y->visit_node[i], b = y->visit_node[i + 8];
+        double d[3];
+        int inside = 1;
+        for (j = 0; j < 2; j++)
+            inside &= fabs(0.5 * (k->start[a][j] + k->start[b][j] - low[j] - high[j])) < (high[j] - low[j]) / 3.0;
+        if (!inside || fabs(k->start[a][1] - k->start[b][1]) > 0.1 / k->desc.courses) continue;
+        for (j = 0; j < 3; j++) d[j] = k->x[b][j] - k->x[a][j];
+        sum += sqrt(d[0] * d[0] + d[1] * d[1] + d[2] * d[2]), count++;
+    }
+    return count ? sum / count : NAN;
+}
+
+/* From here on its yarns rub by that coefficient where they lie. */
+static yc_result rub(scene_knit *k, double friction) {
+    yc_yarn_material yarn;
+    yc_yarns now;
+    yc_result result = yc_scene_network(k->scene, 0, &now);
+    if (result != YC_OK) return result;
+    yarn = now.materials[0], yarn.friction = friction;
+    now.materials = &yarn;
+    return stage(k, &now, (const double(*)[3])k->x, NULL);
+}
+
+yc_result scene_knit_overstretch(scene_knit *k, double friction, double stretch, double width[SCENE_PHASES]) {
+    enum { STEPS = 10 };
+    double(*from)[3] = (double(*)[3])malloc((size_t)k->yarns.node_count * sizeof *from);
+    yc_result result = from ? scene_knit_settle(k, 30) : YC_ERROR_MEMORY;
+    int i, n;
+    if (result == YC_OK) result = rub(k, friction);
+    if (result == YC_OK) memcpy(from, k->x, (size_t)k->yarns.node_count * sizeof *from);
+    width[SCENE_BEFORE] = stitch_width(k);
+    for (n = 1; n <= STEPS && result == YC_OK; n++) {
+        for (i = 0; i < k->yarns.node_count && result == YC_OK; i++) {
+            const int side = drawn(k, 0, i);
+            double to[3];
+            memcpy(to, from[i], sizeof to);
+            to[0] += 0.5 * side * stretch * k->desc.stitches * width[SCENE_BEFORE] * n / STEPS;
+            if (side) result = yc_scene_pin(k->scene, 0, YC_NODE, i, to);
+        }
+        if (result == YC_OK) result = scene_knit_settle(k, n < STEPS ? 1 : 4);
+    }
+    width[SCENE_DRAWN] = stitch_width(k);
+    for (i = 0; i < k->yarns.node_count && result == YC_OK; i++)
+        if (drawn(k, 0, i)) result = yc_scene_unpin(k->scene, 0, YC_NODE, i);
+    if (result == YC_OK) result = scene_knit_settle(k, 30);
+    width[SCENE_AFTER] = stitch_width(k);
+    free(from);
+    return result;
 }

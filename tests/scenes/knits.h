@@ -20,6 +20,7 @@ typedef struct scene_knit {
     yc_scene *scene;
     double (*start)[3], (*x)[3]; /* [yarns.node_count], as it was put in, and after the last scene_knit_settle */
     double period;               /* s, about that of a stitch that swings */
+    double sphere, centre[3];    /* m, its radius; 0: there is none */
     int newton, substeps, rejected;
     double seconds, moved; /* of the processor; m, in the last step */
 } scene_knit;
@@ -40,6 +41,32 @@ yc_result scene_knit_hold(scene_knit *knit);
 
 /* Steps of ten periods until no node moves by more than a twentieth of the yarn's radius in one, or `most` are done. */
 yc_result scene_knit_settle(scene_knit *knit, int most);
+
+/* A piece of that size just above a rough sphere, on whose top it falls by its weight, along z. */
+scene_knit *scene_knit_new_above(
+    const char *rows, int stitches, int row_count, const yc_yarn_material *yarn, double sphere, char *message);
+/* Falls, for a fiftieth of a second at a time, until no node moves faster than `speed`, m/s, on the average of that
+ * time, or `most` are done. */
+yc_result scene_knit_fall(scene_knit *knit, double speed, int most);
+
+/* Six fabrics of about as many stitches, to be dropped. */
+typedef struct scene_fabric {
+    const char *name;
+    const char *const *rows;
+    int stitches;
+} scene_fabric;
+enum { SCENE_FABRICS = 6 };
+extern const scene_fabric scene_fabrics[SCENE_FABRICS];
+/* The default wool, which wraps a quarter as hard: stockinette of the other would be a scroll before it is down. */
+yc_yarn_material scene_soft_wool(void);
+
+/* How it lies on its sphere. */
+typedef struct scene_knit_drape {
+    double shadow; /* the area below which it lies over the one that it had flat: the drape coefficient */
+    double depth;  /* m, from its highest to its lowest node */
+    double low[2]; /* m, the mean of the middle third of its sides, and of its ends, below the highest node */
+} scene_knit_drape;
+scene_knit_drape scene_knit_hang(const scene_knit *knit);
 
 /* Where its columns lie in the middle third of its rows, and its rows in the middle third of its columns. */
 typedef struct scene_knit_shape {
@@ -104,5 +131,11 @@ typedef struct scene_knit_pull {
 yc_result scene_knit_draw(scene_knit *knit, int axis, double step, double force, scene_knit_pull *out);
 /* The stretch at a force, from the first length at which it pulls; NaN where the curve ends before. */
 double scene_knit_pull_at(const scene_knit_pull *pull, double force);
+
+/* A piece of yarn without friction settles, as washing and tumbling do it. From then on its yarns rub by `friction`.
+ * Its outermost columns are drawn apart by about that share of its width and let go, and it settles again. Receives how
+ * wide its stitches are each time, m, whether it curls or not. */
+enum { SCENE_BEFORE, SCENE_DRAWN, SCENE_AFTER, SCENE_PHASES };
+yc_result scene_knit_overstretch(scene_knit *knit, double friction, double stretch, double width[SCENE_PHASES]);
 
 #endif
