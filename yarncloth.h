@@ -787,12 +787,21 @@ typedef struct yc_scene yc_scene;
 typedef enum yc_solver {
     YC_SOLVER_AUTO = 0,  /* direct without hybrid nodes and with few full ones, else YC_SOLVER_TWO_LEVEL */
     YC_SOLVER_DIRECT,    /* sparse LDL^T; not for scenes with hybrid nodes */
-    YC_SOLVER_TWO_LEVEL, /* MPCG: incomplete factor of the yarns; coarse space: the mesh, a net where there is none */
-    YC_SOLVER_NONE,      /* MPCG of MIX without preconditioner */
-    YC_SOLVER_MASS_DIAGONAL, /* MPCG with the mass diagonal, filtered on both sides */
-    YC_SOLVER_MASS,          /* MPCG with the preconditioner P of MIX (12), in its sparse form */
-    YC_SOLVER_MASS_DENSE     /* the same P by Sherman-Morrison-Woodbury and a dense LU, as in MIX; for comparison */
+    YC_SOLVER_TWO_LEVEL, /* MPCG: the smoother with a coarse space: the mesh, a net where there is none */
+    YC_SOLVER_ONE_LEVEL  /* MPCG as in MIX: the smoother alone; for comparison */
 } yc_solver;
+
+/* The preconditioner of YC_SOLVER_ONE_LEVEL, and what YC_SOLVER_TWO_LEVEL does besides its coarse space. All but the
+ * first are there to compare with. */
+typedef enum yc_smoother {
+    YC_SMOOTHER_INCOMPLETE = 0, /* incomplete Cholesky factor in blocks of nodes, yarn by yarn, wale by wale */
+    YC_SMOOTHER_LINE,           /* every yarn by itself, warps and wefts added up; not for scenes without yarns */
+    YC_SMOOTHER_BLOCK,          /* block Jacobi: every node by itself */
+    YC_SMOOTHER_MASS,           /* P of MIX (12), in its sparse form */
+    YC_SMOOTHER_MASS_DENSE,     /* the same by Sherman-Morrison-Woodbury and a dense LU, as in MIX */
+    YC_SMOOTHER_MASS_DIAGONAL,  /* the mass diagonal, filtered on both sides */
+    YC_SMOOTHER_NONE            /* none */
+} yc_smoother;
 
 /* Presets of tolerances and step limits together. */
 typedef enum yc_preset { YC_PREVIEW, YC_DEFAULT, YC_REFERENCE } yc_preset;
@@ -812,9 +821,10 @@ typedef struct yc_scene_desc {
     /* what happens when they do not suffice. 0: the sub-step is halved. Nonzero: the last iterate, the lowest in
      * energy, is taken and counted in stats.unfinished; preview 1, else 0 */
     int best_effort;
-    yc_solver solver; /* default YC_SOLVER_AUTO */
+    yc_solver solver;     /* default YC_SOLVER_AUTO */
+    yc_smoother smoother; /* default YC_SMOOTHER_INCOMPLETE; others only with a solver of one or two levels */
     /* MPCG stops at this share of the starting residual, in the preconditioner's norm; (0, 1); default 1e-4,
-     * reference 1e-6. YC_SOLVER_TWO_LEVEL stops earlier where what is left moves nothing by 0.01 tolerance */
+     * reference 1e-6. By default two levels stop earlier where what is left moves nothing by 0.01 tolerance */
     double linear_tolerance;
     /* MPCG iterations; >= 1; default 2000. Reaching it is no error: the line search judges the step */
     int linear_limit;
@@ -5900,8 +5910,13 @@ static void yci_ldl_solve(const yci_ldl *f, double *x, int count, int ldx, doubl
  * is not positive definite restarts the factorisation with the diagonal blocks of A times 1 + shift (after Manteuffel,
  * Math. Comp. 34, 1980), by decades: a shift of 1e-3 where 1e-6 will do takes ten times the iterations in knits, whose
  * yarn is that much stiffer along itself than any other way. After YCI_IC_RAISES raises, 1e-6 to 1, only the diagonal
- * blocks are kept. */
+ * blocks are kept.
+ *
+ * With fewer levels than none, YCI_IC_BLOCKS, the pattern is the diagonal blocks'. With lines it is that of couplings
+ * along these, which are as wide as a yarn's bending is: each is then factored exactly where its nodes come in order. */
 #define YCI_IC_RAISES 7
+#define YCI_IC_BLOCKS (-1)
+#define YCI_IC_LINE 2 /* places of the order from a node of a line to those it is coupled with along it */
 
 typedef struct yci_ic {
     yci_context *c;
@@ -5959,12 +5974,26 @@ static int yci_ic_reach(yci_context *c, yci_ic_pattern *p, int i, int j, int lev
     return 1;
 }
 
+/* Which couplings a factorisation keeps: levels of fill, and the line of every node of the matrix, -1 where it is in
+ * none; NULL: all of them. */
+typedef struct yci_ic_extent {
+    int fill;
+    const int *line;
+} yci_ic_extent;
+
+static int yci_ic_keeps(const yci_ic_extent *extent, const int *pos, int a, int b) {
+    if (pos[b] < 0 || extent->fill == YCI_IC_BLOCKS) return 0;
+    if (!extent->line) return 1;
+    return extent->line[a] >= 0 && extent->line[a] == extent->line[b] && abs(pos[a] - pos[b]) <= YCI_IC_LINE;
+}
+
 /* Row i, by symmetry column i: what the matrix has there, and what its columns bring along (Saad, 10.3.3). */
-static int yci_ic_pattern_row(yci_context *c, yci_ic_pattern *p, const yci_bsr *m, const int *pos, int v, int fill) {
-    int i = pos[v], k, e, lefts = 0;
+static int yci_ic_pattern_row(
+    yci_context *c, yci_ic_pattern *p, const yci_bsr *m, const int *pos, int v, const yci_ic_extent *extent) {
+    int i = pos[v], k, e, lefts = 0, fill = extent->fill;
     p->ptr[i] = p->count, p->mark[i] = 1;
     for (k = m->ptr[v]; k < m->ptr[v + 1]; k++)
-        if (pos[m->col[k]] >= 0 && !yci_ic_reach(c, p, i, pos[m->col[k]], 0, &lefts)) return 0;
+        if (yci_ic_keeps(extent, pos, v, m->col[k]) && !yci_ic_reach(c, p, i, pos[m->col[k]], 0, &lefts)) return 0;
     for (k = 0; k < lefts && fill > 0; k++)
         for (e = p->ptr[p->left[k]]; e < p->ptr[p->left[k] + 1]; e++) {
             int level = p->mark[p->left[k]] + p->level[e];
@@ -5977,14 +6006,14 @@ static int yci_ic_pattern_row(yci_context *c, yci_ic_pattern *p, const yci_bsr *
     return 1;
 }
 
-static int yci_ic_pattern_make(
-    yci_context *c, yci_ic_pattern *p, const yci_bsr *m, const int *pos, const int *node, int count, int fill) {
+static int yci_ic_pattern_make(yci_context *c, yci_ic_pattern *p, const yci_bsr *m, const int *pos, const int *node,
+    int count, const yci_ic_extent *extent) {
     int i;
     memset(p, 0, sizeof *p);
     p->ptr = YCI_NEW(c, int, (size_t)count + 1), p->left = YCI_NEW(c, int, count), p->mark = YCI_NEW(c, int, count);
     if (!p->ptr || !p->left || !p->mark) return 0;
     for (i = 0; i < count; i++)
-        if (!yci_ic_pattern_row(c, p, m, pos, node[i], fill)) return 0;
+        if (!yci_ic_pattern_row(c, p, m, pos, node[i], extent)) return 0;
     return 1;
 }
 
@@ -6014,9 +6043,10 @@ static void yci_ic_layout(yci_ic *f, const yci_bsr *m, const yci_ic_pattern *p) 
     for (i = 0; i < f->count; i++) f->mark[i] = -1;
 }
 
-/* Prepares an incomplete factorisation of the rows and columns of `order[0..count)`, in that order, with `fill` levels
- * of fill. On failure *out is NULL. */
-static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *order, int count, int fill, yci_ic **out) {
+/* Prepares an incomplete factorisation of the rows and columns of `order[0..count)`, in that order. On failure *out is
+ * NULL. */
+static yc_result yci_ic_create(
+    yci_context *c, const yci_bsr *m, const int *order, int count, const yci_ic_extent *extent, yci_ic **out) {
     yci_ic *f = YCI_NEW(c, yci_ic, 1);
     int *pos = YCI_NEW(c, int, m->n), i, ok = f && pos;
     yci_ic_pattern pattern;
@@ -6040,7 +6070,7 @@ static yc_result yci_ic_create(yci_context *c, const yci_bsr *m, const int *orde
                 c, YC_ERROR_ARGUMENT, "incomplete factorisation: order entry %d is %d, of %d nodes", i, v, m->n);
         else pos[v] = i, f->node[i] = v;
     }
-    if (ok && result == YC_OK) ok = yci_ic_pattern_make(c, &pattern, m, pos, f->node, count, fill);
+    if (ok && result == YC_OK) ok = yci_ic_pattern_make(c, &pattern, m, pos, f->node, count, extent);
     yci_free(c, pos);
     if (ok && result == YC_OK) {
         f->col = YCI_NEW(c, int, pattern.count), f->source = YCI_NEW(c, int, pattern.count);
@@ -13503,7 +13533,7 @@ static void yci_mass_dense_apply(yci_mass_dense *p, const double *r_v, const dou
  * where p_i does. Without hybrid nodes C is the identity and a direct LDL^T serves.
  *
  * Two-level preconditioner. Fine level: independent increments (p, v outside the filter's set) carry the same motion as
- * q by the map T of chapter mixed, so M1 = T IC(A_pp)^-1 T', IC the incomplete factor of the yarn block in yarn order.
+ * q by the map T of chapter mixed, so M1 = T IC(A_pp)^-1 T', IC the incomplete factor of the yarn block in yarn order; others by name, see yc_smoother.
  * Coarse level: Z has a column triple per mesh vertex: v = 1, x = 0, full yarn nodes by their barycentric weights;
  * Ac = Z'AZ is factored. Q = Z Ac^-1 Z'. Applied as z = M1 r, z += Q (r - A z), from the start vector Q b; the triangle
  * region is thereby solved exactly on every iteration. The iteration stops when sqrt(r'z) has fallen to a share of its
@@ -13528,9 +13558,10 @@ typedef struct yci_system {
     double *v, *p, *v2, *p2; /* vectors of chapter mixed, 3 per vertex and 3 per hybrid node */
     /* preconditioners, made when first needed */
     yc_solver solver;
+    yc_smoother smoother;
     yci_ldl *direct;
     double *direct_work;
-    yci_ic *ic;
+    yci_ic *ic[2]; /* the second for wefts, by lines only */
     /* Coarse columns that move a system node, and by how much; a hybrid node's too: it follows B v, though in q it has
      * no share of its own. */
     int *support_ptr, *support_column;
@@ -13721,15 +13752,16 @@ static void yci_system_mass_diagonal(yci_system *s, const double *r, double *z) 
 static void yci_system_mass(yci_system *s, const double *r, double *z) {
     yci_system_take_vertices(s, r, s->v);
     yci_system_take_hybrid(s, r, s->p);
-    if (s->solver == YC_SOLVER_MASS_DENSE) yci_mass_dense_apply(&s->mass_dense, s->v, s->p, s->v2, s->p2);
+    if (s->smoother == YC_SMOOTHER_MASS_DENSE) yci_mass_dense_apply(&s->mass_dense, s->v, s->p, s->v2, s->p2);
     else yci_mass_apply(&s->mass_p, s->v, s->p, s->v2, s->p2);
     yci_system_put_vertices(s, s->v2, z);
     yci_system_put_hybrid(s, s->p2, z);
     yci_system_full_mass(s, r, z);
 }
 
-/* M1: through T' to independent increments, the incomplete factor there, and back. */
-static void yci_system_fine(yci_system *s, const double *r, double *z) {
+/* Through T' to independent increments, the incomplete factors there, and back. */
+static void yci_system_incomplete(yci_system *s, const double *r, double *z) {
+    int i, size = yci_system_size(s);
     memcpy(z, r, (size_t)yci_system_size(s) * sizeof *z);
     if (s->hybrid_count) {
         yci_system_take_vertices(s, r, s->v);
@@ -13738,7 +13770,12 @@ static void yci_system_fine(yci_system *s, const double *r, double *z) {
         yci_system_put_vertices(s, s->v, z);
         yci_system_put_hybrid(s, s->p, z);
     }
-    yci_ic_solve(s->ic, z);
+    if (s->ic[1]) {
+        memcpy(s->work, z, (size_t)size * sizeof *z);
+        yci_ic_solve(s->ic[1], s->work);
+    }
+    yci_ic_solve(s->ic[0], z);
+    for (i = 0; i < size && s->ic[1]; i++) z[i] += s->work[i];
     if (s->hybrid_count) {
         yci_system_take_vertices(s, z, s->v);
         yci_system_take_hybrid(s, z, s->p);
@@ -13748,22 +13785,24 @@ static void yci_system_fine(yci_system *s, const double *r, double *z) {
     }
 }
 
-static void yci_system_two_level(yci_system *s, const double *r, double *z, double *rest) {
-    int i, size = yci_system_size(s);
-    yci_system_fine(s, r, z);
-    yci_system_multiply(s, z, rest);
-    for (i = 0; i < size; i++) rest[i] = r[i] - rest[i];
-    yci_system_coarse_add(s, rest, z);
+/* z = M1 r. */
+static void yci_system_smooth(yci_system *s, const double *r, double *z) {
+    switch (s->smoother) {
+    case YC_SMOOTHER_MASS:
+    case YC_SMOOTHER_MASS_DENSE: yci_system_mass(s, r, z); break;
+    case YC_SMOOTHER_MASS_DIAGONAL: yci_system_mass_diagonal(s, r, z); break;
+    case YC_SMOOTHER_NONE: memcpy(z, r, (size_t)yci_system_size(s) * sizeof *z); break;
+    default: yci_system_incomplete(s, r, z); break;
+    }
 }
 
 static void yci_system_precondition(yci_system *s, const double *r, double *z, double *rest) {
-    switch (s->solver) {
-    case YC_SOLVER_TWO_LEVEL: yci_system_two_level(s, r, z, rest); break;
-    case YC_SOLVER_MASS:
-    case YC_SOLVER_MASS_DENSE: yci_system_mass(s, r, z); break;
-    case YC_SOLVER_MASS_DIAGONAL: yci_system_mass_diagonal(s, r, z); break;
-    default: memcpy(z, r, (size_t)yci_system_size(s) * sizeof *z); break;
-    }
+    int i, size = yci_system_size(s);
+    yci_system_smooth(s, r, z);
+    if (s->solver != YC_SOLVER_TWO_LEVEL) return;
+    yci_system_multiply(s, z, rest);
+    for (i = 0; i < size; i++) rest[i] = r[i] - rest[i];
+    yci_system_coarse_add(s, rest, z);
 }
 
 static double yci_vector_dot(const double *a, const double *b, int n) {
@@ -13822,16 +13861,22 @@ static void yci_system_direct(yci_system *s, double *d) {
     yci_ldl_solve(s->direct, d, 1, yci_system_size(s), s->direct_work);
 }
 
-/* About A^-1 r in A's layout, for a reduced r; returns 0 where no more than the mass is known of A^-1. */
+/* Whether preconditioning comes close enough to the inverse to tell how far it would move what is left. */
+static int yci_system_is_close(const yci_system *s) {
+    return s->solver == YC_SOLVER_DIRECT || (s->solver == YC_SOLVER_TWO_LEVEL && s->smoother == YC_SMOOTHER_INCOMPLETE);
+}
+
+/* About A^-1 r in A's layout, for a reduced r; returns 0 where too little is known of A^-1. */
 static int yci_system_estimate(yci_system *s, const double *r, double *d) {
+    if (!yci_system_is_close(s)) return 0;
     if (s->solver == YC_SOLVER_DIRECT) {
         memcpy(d, r, (size_t)yci_system_size(s) * sizeof *d);
         yci_system_direct(s, d);
-    } else if (s->solver == YC_SOLVER_TWO_LEVEL) {
-        yci_system_two_level(s, r, d, s->cg);
+    } else {
+        yci_system_precondition(s, r, d, s->cg);
         yci_system_expand(s, d, d);
     }
-    return s->solver == YC_SOLVER_DIRECT || s->solver == YC_SOLVER_TWO_LEVEL;
+    return 1;
 }
 
 /* ---- life of a system ---- */
@@ -13844,7 +13889,8 @@ static void yci_system_destroy(yci_system *s) {
     yci_free(c, s->vertex_node), yci_free(c, s->hybrid_node);
     yci_mixed_destroy(c, &s->mixed);
     yci_free(c, s->v), yci_free(c, s->is_hybrid), yci_free(c, s->is_yarn);
-    yci_ldl_destroy(s->direct), yci_free(c, s->direct_work), yci_ic_destroy(s->ic), yci_ldl_destroy(s->coarse_factor);
+    yci_ldl_destroy(s->direct), yci_free(c, s->direct_work), yci_ic_destroy(s->ic[0]);
+    yci_ic_destroy(s->ic[1]), yci_ldl_destroy(s->coarse_factor);
     yci_free(c, s->support_ptr), yci_free(c, s->support_column), yci_free(c, s->support_weight);
     yci_bsr_destroy(c, &s->coarse);
     yci_free(c, s->coarse_target), yci_free(c, s->coarse_x), yci_free(c, s->coarse_work);
@@ -13865,9 +13911,11 @@ typedef struct yci_system_input {
     const unsigned char *is_yarn, *is_hybrid; /* [n] */
     const int (*triangle)[3];                 /* [n], for yarn nodes the vertices that carry them, or -1 first */
     const double (*beta)[3];                  /* [n] */
-    const int *order;                         /* yarn nodes, as the incomplete factor has them */
-    int order_count, fill;                    /* fill: levels of it there */
+    int *order[2];                            /* [n], first the yarn nodes as the incomplete factors have them */
+    int *line[2];                             /* [n], yarns by number, for factors by lines; else NULL */
+    int order_count, fill;                    /* fill: levels of it in the incomplete factor */
     yc_solver solver;
+    yc_smoother smoother;
 } yci_system_input;
 
 /* Coarse columns: free vertices, and vertices under full yarns that are covered well enough to mean something. */
@@ -13944,6 +13992,26 @@ static yc_result yci_system_mixed_create(yci_system *s, const yci_system_input *
     return result;
 }
 
+/* The incomplete factors. Without the coarse level, which solves for them exactly, vertices that do not follow the
+ * hybrid nodes belong to them as well. */
+static yc_result yci_system_incomplete_create(yci_system *s, const yci_system_input *in) {
+    yci_context *c = s->c;
+    unsigned char *follows = YCI_NEW(c, unsigned char, in->n);
+    yc_result result = follows ? YC_OK : YC_ERROR_MEMORY;
+    yci_ic_extent extent;
+    int i, k, count;
+    for (i = 0; follows && i < s->mixed.t_count; i++) follows[s->vertex_node[s->mixed.vertex[i]]] = 1;
+    extent.fill = s->smoother == YC_SMOOTHER_BLOCK ? YCI_IC_BLOCKS : s->smoother == YC_SMOOTHER_LINE ? 0 : in->fill;
+    for (k = 0; k < (s->smoother == YC_SMOOTHER_LINE ? 2 : 1) && result == YC_OK; k++) {
+        count = in->order_count, extent.line = in->line[k];
+        for (i = 0; i < in->n && s->solver == YC_SOLVER_ONE_LEVEL; i++)
+            if (!in->is_yarn[i] && !follows[i]) in->order[k][count++] = i;
+        result = yci_ic_create(c, &s->a, in->order[k], count, &extent, &s->ic[k]);
+    }
+    yci_free(c, follows);
+    return result;
+}
+
 static yc_result yci_system_parts(yci_system *s, const yci_system_input *in) {
     yci_context *c = s->c;
     int i, size;
@@ -13973,19 +14041,18 @@ static yc_result yci_system_parts(yci_system *s, const yci_system_input *in) {
     if (!s->work || !s->cg || !s->v || !s->mass_diagonal) return YC_ERROR_MEMORY;
     s->v2 = s->v + 3 * in->vertex_count, s->p = s->v2 + 3 * in->vertex_count, s->p2 = s->p + 3 * s->hybrid_count;
     result = yci_system_mixed_create(s, in);
-    if (result == YC_OK && s->solver == YC_SOLVER_MASS) result = yci_mass_create(c, &s->mixed, &s->mass_p);
-    if (result == YC_OK && s->solver == YC_SOLVER_MASS_DENSE)
+    if (result == YC_OK && s->smoother == YC_SMOOTHER_MASS) result = yci_mass_create(c, &s->mixed, &s->mass_p);
+    if (result == YC_OK && s->smoother == YC_SMOOTHER_MASS_DENSE)
         result = yci_mass_dense_create(c, &s->mixed, &s->mass_dense);
-    if (result != YC_OK || s->solver != YC_SOLVER_TWO_LEVEL) return result;
-    result = yci_ic_create(c, &s->a, in->order, in->order_count, in->fill, &s->ic);
-    return result == YC_OK ? yci_system_coarse_create(s, in) : result;
+    if (result == YC_OK && s->smoother <= YC_SMOOTHER_BLOCK) result = yci_system_incomplete_create(s, in);
+    return result == YC_OK && s->solver == YC_SOLVER_TWO_LEVEL ? yci_system_coarse_create(s, in) : result;
 }
 
 /* On failure *s is zeroed. */
 static yc_result yci_system_create(yci_context *c, const yci_system_input *in, yci_system *s) {
     yc_result result;
     memset(s, 0, sizeof *s);
-    s->c = c, s->solver = in->solver, s->vertex_count = in->vertex_count;
+    s->c = c, s->solver = in->solver, s->smoother = in->smoother, s->vertex_count = in->vertex_count;
     result = yci_system_parts(s, in);
     if (result != YC_OK) {
         if (result == YC_ERROR_MEMORY) yci_out_of_memory(c, "the linear system");
@@ -13993,34 +14060,37 @@ static yc_result yci_system_create(yci_context *c, const yci_system_input *in, y
     }
     return result;
 }
-/* Takes this iteration's matrix and masses into the preconditioners. */
-static yc_result yci_system_factor(yci_system *s) {
+
+/* Takes this iteration's masses into the preconditioners that are made of them. */
+static yc_result yci_system_factor_mass(yci_system *s) {
     int i, k;
-    if (s->solver == YC_SOLVER_DIRECT) return yci_ldl_factor(s->direct, s->a.val);
-    if (s->solver == YC_SOLVER_TWO_LEVEL) {
-        yc_result result = yci_ic_factor(s->ic, &s->a);
-        if (result != YC_OK) return result;
-        yci_system_coarse_assemble(s);
-        return yci_ldl_factor(s->coarse_factor, s->coarse.val);
-    }
-    if (s->solver == YC_SOLVER_NONE) return YC_OK;
     for (i = 0; i < s->vertex_count; i++) {
         int node = s->vertex_node[i];
         s->v[i] = node >= 0 ? s->mass[s->mass_at[node]] : 0.0;
     }
     for (i = 0; i < s->hybrid_count; i++) s->p[i] = s->mass[s->mass_at[s->hybrid_node[i]]];
-    if (s->solver == YC_SOLVER_MASS_DIAGONAL) {
-        for (i = 0; i < s->a.n; i++)
-            for (k = 0; k < s->a.dim[i]; k++)
-                s->mass_diagonal[s->a.off[i] + k] = s->mass[s->mass_at[i] + (size_t)(k * (s->a.dim[i] + 1))];
-        yci_mixed_mass_diagonal(&s->mixed, s->p, s->v); /* Mv + diag of B' Mp B */
-        for (i = 0; i < s->vertex_count; i++)
-            if (s->vertex_node[i] >= 0)
-                for (k = 0; k < 3; k++) s->mass_diagonal[s->a.off[s->vertex_node[i]] + k] = s->v[i];
-        return YC_OK;
-    }
-    if (s->solver == YC_SOLVER_MASS_DENSE) return yci_mass_dense_factor(&s->mass_dense, s->v, s->p);
-    return yci_mass_factor(&s->mass_p, s->v, s->p);
+    if (s->smoother == YC_SMOOTHER_MASS_DENSE) return yci_mass_dense_factor(&s->mass_dense, s->v, s->p);
+    if (s->smoother == YC_SMOOTHER_MASS) return yci_mass_factor(&s->mass_p, s->v, s->p);
+    for (i = 0; i < s->a.n; i++)
+        for (k = 0; k < s->a.dim[i]; k++)
+            s->mass_diagonal[s->a.off[i] + k] = s->mass[s->mass_at[i] + (size_t)(k * (s->a.dim[i] + 1))];
+    yci_mixed_mass_diagonal(&s->mixed, s->p, s->v); /* Mv + diag of B' Mp B */
+    for (i = 0; i < s->vertex_count; i++)
+        if (s->vertex_node[i] >= 0)
+            for (k = 0; k < 3; k++) s->mass_diagonal[s->a.off[s->vertex_node[i]] + k] = s->v[i];
+    return YC_OK;
+}
+
+/* Takes this iteration's matrix and masses into the preconditioners. */
+static yc_result yci_system_factor(yci_system *s) {
+    yc_result result = YC_OK;
+    int k;
+    if (s->solver == YC_SOLVER_DIRECT) return yci_ldl_factor(s->direct, s->a.val);
+    for (k = 0; k < 2 && s->ic[k] && result == YC_OK; k++) result = yci_ic_factor(s->ic[k], &s->a);
+    if (s->smoother > YC_SMOOTHER_BLOCK && s->smoother < YC_SMOOTHER_NONE) result = yci_system_factor_mass(s);
+    if (result != YC_OK || s->solver != YC_SOLVER_TWO_LEVEL) return result;
+    yci_system_coarse_assemble(s);
+    return yci_ldl_factor(s->coarse_factor, s->coarse.val);
 }
 
 /* =====================================================================================================================
@@ -14511,8 +14581,12 @@ static yc_result yci_scene_desc_check(yci_context *c, const yc_scene_desc *d) {
     if (r == YC_OK) r = yci_scene_range(c, "scene.dt_min", d->dt_min, 0.0, d->dt_max, 1);
     if (r == YC_OK) r = yci_scene_range(c, "scene.tolerance", d->tolerance, 0.0, big, 1);
     if (r == YC_OK) r = yci_scene_range(c, "scene.newton_limit", d->newton_limit, 1.0, 1e9, 0);
+    if (r == YC_OK) r = yci_scene_range(c, "scene.solver", (double)(int)d->solver, 0.0, (double)YC_SOLVER_ONE_LEVEL, 0);
     if (r == YC_OK)
-        r = yci_scene_range(c, "scene.solver", (double)(int)d->solver, 0.0, (double)YC_SOLVER_MASS_DENSE, 0);
+        r = yci_scene_range(c, "scene.smoother", (double)(int)d->smoother, 0.0, (double)YC_SMOOTHER_NONE, 0);
+    if (r == YC_OK && d->smoother != YC_SMOOTHER_INCOMPLETE && d->solver < YC_SOLVER_TWO_LEVEL)
+        r = YCI_FAIL(c, YC_ERROR_ARGUMENT,
+            "scene.smoother: only YC_SOLVER_TWO_LEVEL and YC_SOLVER_ONE_LEVEL as scene.solver have one to choose");
     if (r == YC_OK) r = yci_scene_range(c, "scene.linear_tolerance", d->linear_tolerance, 0.0, 1.0, 1);
     if (r == YC_OK) r = yci_scene_range(c, "scene.linear_limit", d->linear_limit, 1.0, 1e9, 0);
     if (r == YC_OK) r = yci_scene_range(c, "scene.stiffness_damping", d->stiffness_damping, 0.0, big, 0);
@@ -14572,8 +14646,8 @@ static void yci_model_destroy(yc_scene *s) {
 YC_API yc_result yc_scene_tune(yc_scene *s, const yc_scene_desc *desc) {
     yc_result result = yci_scene_desc_check(&s->c, desc);
     if (result != YC_OK) return result;
-    if (desc->solver != s->desc.solver || !desc->self_contact != !s->desc.self_contact ||
-        desc->thickness != s->desc.thickness)
+    if (desc->solver != s->desc.solver || desc->smoother != s->desc.smoother ||
+        !desc->self_contact != !s->desc.self_contact || desc->thickness != s->desc.thickness)
         yci_model_destroy(s);
     s->desc = *desc;
     s->dt = yci_min(s->dt, desc->dt_max);
@@ -16198,12 +16272,30 @@ static void yci_net_place(const yci_net *net, const double *point, int first, in
 }
 
 typedef struct yci_system_scratch {
-    int *dim, *vertex_node, *order, *triangle;
+    int *dim, *vertex_node, *order, *line, *triangle; /* line NULL: no smoother by lines */
     double *beta;
     yci_sweep *sweep; /* NULL: no knit */
     unsigned char *state, *is_yarn, *is_hybrid;
     int (*pairs)[2];
 } yci_system_scratch;
+
+/* The nodes of warps, with rods, or of wefts, yarn by yarn, and the number of the yarn of each; where yarns of a family
+ * meet, the first has the node. Then the other nodes of yarns. */
+static void yci_build_lines(
+    const yc_scene *s, const yci_model *m, int wefts, const yci_system_input *in, int *order, int *line) {
+    int i, k, v, count = 0, yarn = 0;
+    for (i = 0; i < in->n; i++) line[i] = -1;
+    for (i = 0; i < s->cloth_count; i++) {
+        const yc_yarns *y = yci_cloth_yarns(s->cloth + i);
+        for (k = 0; y && k < y->yarn_count; k++, yarn++)
+            for (v = y->yarn_first[k]; v < y->yarn_first[k + 1] && (y->yarn_family[k] == YC_WEFT) == wefts; v++) {
+                int at = m->system_node[s->cloth[i].node + y->visit_node[v]];
+                if (at >= 0 && line[at] < 0) line[at] = yarn, order[count++] = at;
+            }
+    }
+    for (i = 0; i < in->n; i++)
+        if (in->is_yarn[i] && line[i] < 0) order[count++] = i;
+}
 
 static void yci_build_input(yc_scene *s, yci_model *m, yci_system_scratch *w, yci_system_input *in) {
     int i, k, n = in->n, vertices = s->vertices;
@@ -16232,11 +16324,17 @@ static void yci_build_input(yc_scene *s, yci_model *m, yci_system_scratch *w, yc
     for (i = 0; i < n; i++)
         if (w->is_yarn[i]) w->order[in->order_count++] = i;
     if (w->sweep) yci_build_sweep(s, m, w->sweep, w->order, in->order_count), in->fill = YCI_KNIT_FILL;
+    in->is_yarn = w->is_yarn, in->is_hybrid = w->is_hybrid;
+    for (k = 0; k < 2; k++) in->order[k] = w->order + (size_t)k * (size_t)n;
+    for (k = 0; k < 2 && w->line; k++) {
+        in->line[k] = w->line + (size_t)k * (size_t)n;
+        yci_build_lines(s, m, k, in, in->order[k], in->line[k]);
+    }
     in->dim = w->dim, in->pair = (const int(*)[2])w->pairs, in->vertex_count = vertices,
     in->vertex_node = w->vertex_node;
-    in->vertex_state = w->state, in->is_yarn = w->is_yarn, in->is_hybrid = w->is_hybrid;
-    in->triangle = (const int(*)[3])w->triangle, in->beta = (const double(*)[3])w->beta, in->order = w->order;
-    in->solver = yci_build_solver(s, m);
+    in->vertex_state = w->state;
+    in->triangle = (const int(*)[3])w->triangle, in->beta = (const double(*)[3])w->beta;
+    in->solver = yci_build_solver(s, m), in->smoother = s->desc.smoother;
 }
 
 /* (Re)builds the system for the present elements and contact pairs. On failure the model has none. */
@@ -16248,6 +16346,7 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
     size_t n = (size_t)s->nodes, vertices = (size_t)s->vertices;
     yci_net net;
     int i;
+    int lines = s->desc.smoother == YC_SMOOTHER_LINE;
     if (m->has_system) yci_system_destroy(&m->system);
     m->has_system = 0, m->pinned = 0;
     memset(&w, 0, sizeof w), memset(&in, 0, sizeof in);
@@ -16262,21 +16361,26 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
         in.pair_count = yci_build_couplings(s, m, NULL);
         w.pairs = (int(*)[2])yci_alloc(c, in.pair_count, sizeof *w.pairs);
         w.triangle = YCI_NEW(c, int, 3 * (size_t)in.n), w.beta = YCI_NEW(c, double, 3 * (size_t)in.n),
-        w.order = YCI_NEW(c, int, in.n);
+        w.order = YCI_NEW(c, int, 2 * (size_t)in.n);
         w.is_yarn = YCI_NEW(c, unsigned char, in.n), w.is_hybrid = YCI_NEW(c, unsigned char, in.n);
         if (m->knitted) w.sweep = YCI_NEW(c, yci_sweep, in.n);
-        if (w.pairs && w.triangle && w.beta && w.order && w.is_yarn && w.is_hybrid && (w.sweep || !m->knitted)) {
+        if (lines) w.line = YCI_NEW(c, int, 2 * (size_t)in.n);
+        if (w.pairs && w.triangle && w.beta && w.order && w.is_yarn && w.is_hybrid && (w.sweep || !m->knitted) &&
+            (w.line || !lines)) {
             yci_build_couplings(s, m, w.pairs);
             yci_build_input(s, m, &w, &in);
             if (in.solver == YC_SOLVER_DIRECT && m->hybrid)
                 result = YCI_FAIL(
                     c, YC_ERROR_ARGUMENT, "scene.solver: YC_SOLVER_DIRECT cannot solve the %d hybrid nodes", m->hybrid);
+            else if (lines && !in.order_count)
+                result = YCI_FAIL(c, YC_ERROR_ARGUMENT, "scene.smoother: YC_SMOOTHER_LINE without yarns that move");
             else result = yci_system_create(c, &in, &m->system);
             m->solver = in.solver;
         }
     }
     yci_free(c, w.dim), yci_free(c, w.vertex_node), yci_free(c, w.state), yci_free(c, w.pairs), yci_free(c, w.triangle);
-    yci_free(c, w.beta), yci_free(c, w.order), yci_free(c, w.sweep), yci_free(c, w.is_yarn), yci_free(c, w.is_hybrid);
+    yci_free(c, w.beta), yci_free(c, w.order), yci_free(c, w.line), yci_free(c, w.sweep), yci_free(c, w.is_yarn),
+        yci_free(c, w.is_hybrid);
     if (result == YC_ERROR_MEMORY) return yci_out_of_memory(c, "the linear system");
     if (result != YC_OK) return result;
     m->has_system = 1, m->hybrid_vertices = m->hybrid ? m->system.mixed.t_count : 0;
@@ -17122,18 +17226,15 @@ static int yci_shift_more(yci_model *m) {
 }
 
 /* Whether what is solved for is plain A d = b, and about A's inverse known. */
-static int yci_solves_plain(const yci_model *m) {
-    return m->solver == YC_SOLVER_DIRECT || (m->solver == YC_SOLVER_TWO_LEVEL && !m->hybrid);
-}
+static int yci_solves_plain(const yci_model *m) { return yci_system_is_close(&m->system) && !m->hybrid; }
 
-/* d = A^-1 d for the factors at hand, to a share of it. Only the two levels come close enough to the inverse to tell
- * how far it would move what is left. */
+/* d = A^-1 d for the factors at hand, to a share of it. */
 static void yci_solve(yc_scene *s, double *d, double share, double tolerance, yc_stats *stats) {
     yci_model *m = s->model;
     if (m->solver == YC_SOLVER_DIRECT) yci_system_direct(&m->system, d);
     else
         stats->linear += yci_system_mpcg(
-            &m->system, d, d, share, m->solver == YC_SOLVER_TWO_LEVEL ? 1e-2 * tolerance : 0.0, s->desc.linear_limit);
+            &m->system, d, d, share, yci_system_is_close(&m->system) ? 1e-2 * tolerance : 0.0, s->desc.linear_limit);
 }
 
 /* Solves for the direction. While elements keep a share only of what makes them semidefinite, a matrix that conjugate
@@ -17145,7 +17246,7 @@ static yc_result yci_direction_try(yc_scene *s, double tolerance, yc_stats *stat
     yci_stiffen(s, m->shift);
     result = yci_system_factor(&m->system);
     if (result != YC_OK) return result;
-    if (m->convex < 1.0 && m->system.ic && m->system.ic->shift > YCI_CONVEX_SHIFT) return YC_ERROR_NOT_SPD;
+    if (m->convex < 1.0 && m->system.ic[0] && m->system.ic[0]->shift > YCI_CONVEX_SHIFT) return YC_ERROR_NOT_SPD;
     for (i = 0; i < size; i++) m->direction[i] = -m->gradient[i];
     yci_solve(s, m->direction, s->desc.linear_tolerance, tolerance, stats);
     return m->convex < 1.0 && m->system.indefinite ? YC_ERROR_NOT_SPD : YC_OK;
