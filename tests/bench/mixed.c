@@ -7,8 +7,8 @@
  * change of velocity with every smoother, alone ("one") and with the coarse space ("two"). Counted are iterations until
  * the velocity of the yarns and that of the vertices are off by no more than 1e-1, 1e-2 and 1e-4 of that change, as
  * against the solution to rounding; more than the limit of a row are ">".
- *   sweep    7,200 yarn nodes with 25, 100 and 400 of them on a triangle, yarns 1, 10 and 100 times as stiff as those of
- *            MIX (1e7 Pa), steps of 0.1, 1 and 5 ms
+ *   sweep    7,200 yarn nodes with 25, 100 and 400 of them on a triangle, yarns 1, 10 and 100 times as stiff as those
+ *            of MIX (1e7 Pa), steps of 0.1, 1 and 5 ms
  *   growth   100 nodes a triangle, 10 times as stiff: 5,000, 20,000 and 80,000 yarn nodes
  *   shirt    as many yarn nodes as the region of MIX's shirt, at its stiffness
  * The short form has 2,450 to 7,200 nodes in the sweep, of one stiffness, no more than 20,000 else, and no shirt.

@@ -110,7 +110,7 @@ static inline int system_converge(system_scene *s, int limit, int at[SYSTEM_MARK
     memcpy(r, s->right, (size_t)size * sizeof *r);
     yci_system_reduce(a, r);
     if (a->solver == YC_SOLVER_TWO_LEVEL) {
-        yci_system_coarse_add(a, r, q);
+        yci_coarse_add(&a->coarse, &a->a, r, q);
         yci_system_multiply(a, q, y);
         for (i = 0; i < size; i++) r[i] -= y[i];
     }
