@@ -803,6 +803,8 @@ TEST(sparse_order_extremes) {
 
 /* ---- incomplete -------------------------------------------------------------------------------------------------- */
 
+static const yci_ic_extent everything = {0, NULL};
+
 /* Iterations of conjugate gradients on m from 0 to a residual of 1e-8 of the first. */
 static int iterations(yci_context *c, const yci_bsr *m, const yci_ic *f) {
     int size = m->off[m->n], i, k;
@@ -851,7 +853,8 @@ TEST(sparse_incomplete) {
     for (i = 0; i < N; i++) dim[i] = 3, order[i] = i;
     system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
     grid_values(&s.m);
-    CHECK(yci_ic_create(&s.c, &s.m, order, N, 0, &f) == YC_OK && yci_ic_factor(f, &s.m) == YC_OK && f->shift == 0.0);
+    CHECK(yci_ic_create(&s.c, &s.m, order, N, &everything, &f) == YC_OK && yci_ic_factor(f, &s.m) == YC_OK &&
+        f->shift == 0.0);
     plain = iterations(&s.c, &s.m, NULL), better = iterations(&s.c, &s.m, f);
     CHECK(better * 2 < plain && better > 1);
     /* Stronger coupling makes the matrix indefinite: the diagonal is raised, or everything else given up. */
@@ -867,8 +870,36 @@ TEST(sparse_incomplete) {
     s.m.val[s.m.at[s.m.diag[9]]] = -1.0;
     CHECK(yci_ic_factor(f, &s.m) == YC_ERROR_NOT_SPD && strstr(s.c.message, "node 9"));
     yci_ic_destroy(f);
-    CHECK(yci_ic_create(&s.c, &s.m, dim, N, 0, &f) == YC_ERROR_ARGUMENT && f == NULL);
+    CHECK(yci_ic_create(&s.c, &s.m, dim, N, &everything, &f) == YC_ERROR_ARGUMENT && f == NULL);
     yci_ic_destroy(NULL);
+    system_close(&s);
+}
+
+/* A grid by lines, its rows, and by blocks: the couplings of each and no others. */
+TEST(sparse_incomplete_lines) {
+    enum { N = 400 };
+    static int pair[3 * N][2], dim[N], order[N], line[N];
+    uint64_t seed = 8;
+    linear_system s;
+    yci_ic_extent extent = {0, line};
+    yci_ic *f = NULL;
+    size_t pairs = graph(4, N, pair, &seed);
+    int i, k, count, by_lines = 0;
+    for (i = 0; i < N; i++) dim[i] = 3, order[i] = i, line[i] = i % 7 ? i / 20 : -1;
+    system_open(&s, NULL, N, dim, (const int(*)[2])pair, pairs);
+    grid_values(&s.m);
+    for (i = count = 0; i < N; i++)
+        for (k = s.m.ptr[i]; k < s.m.diag[i]; k++)
+            count += line[i] >= 0 && line[i] == line[s.m.col[k]] && i - s.m.col[k] <= YCI_IC_LINE;
+    for (k = 0; k < 2; k++) {
+        CHECK_RESULT(yci_ic_create(&s.c, &s.m, order, N, &extent, &f), YC_OK);
+        CHECK_RESULT(yci_ic_factor(f, &s.m), YC_OK);
+        CHECK(f->ptr[N] == (k ? 0 : count) && (k || count > N / 2));
+        if (k) CHECK(iterations(&s.c, &s.m, f) > by_lines);
+        else by_lines = iterations(&s.c, &s.m, f);
+        yci_ic_destroy(f);
+        extent.fill = YCI_IC_BLOCKS, extent.line = NULL;
+    }
     system_close(&s);
 }
 
@@ -893,7 +924,7 @@ TEST(sparse_incomplete_exact) {
         for (i = 0; i < size; i++) x[i] = i < first ? 0.0 : test_random(&seed, -1.0, 1.0);
         yci_bsr_multiply(&s.c, &s.m, x, y);
         for (i = 0; i < first; i++) y[i] = 7.0;
-        CHECK_RESULT(yci_ic_create(&s.c, &s.m, order, part ? N - 10 : N, 0, &f), YC_OK);
+        CHECK_RESULT(yci_ic_create(&s.c, &s.m, order, part ? N - 10 : N, &everything, &f), YC_OK);
         f->kernels = yci_kernels_of(run / 2);
         CHECK_RESULT(yci_ic_factor(f, &s.m), YC_OK);
         yci_ic_solve(f, y);
@@ -999,7 +1030,7 @@ static int memory_round(int granted) {
     CHECK_RESULT(yci_context_init(&c, &host), YC_OK);
     result[0] = yci_bsr_create(&c, 4, dim, pair, 5, &m);
     result[1] = m.val ? yci_ldl_analyze_bsr(&c, &m, NULL, 0, &ldl) : YC_ERROR_MEMORY;
-    result[2] = m.val ? yci_ic_create(&c, &m, order, 3, 0, &ic) : YC_ERROR_MEMORY;
+    result[2] = m.val ? yci_ic_create(&c, &m, order, 3, &everything, &ic) : YC_ERROR_MEMORY;
     result[3] = yc_lu_create(&host, 5, &lu);
     result[4] = yc_chol_analyze(&host, 3, ptr, col, NULL, &chol);
     for (i = 0; i < 5; i++) {

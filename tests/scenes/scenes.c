@@ -167,16 +167,34 @@ void scene_chain_free(scene_chain *s) {
 
 /* ---- the papers' scenes --------------------------------------------------------------------------------------- */
 
-scene_swatch *scene_swing(scene_kind kind, int cells) {
+static scene_swatch_desc swing_desc(scene_kind kind, int cells, double size, double stretch) {
     scene_swatch_desc d = scene_swatch_desc_default(kind);
     double radius = 0.25e-3, area = 3.14159265358979323846 * radius * radius;
     d.spacing = 1e-3;
     d.cells[0] = d.cells[1] = cells;
-    d.size[0] = d.size[1] = 10.0 * d.spacing * cells;
+    d.size[0] = d.size[1] = size;
     d.yarn.radius = radius;
-    d.yarn.stretch = 1e7 * area, d.yarn.density = 1000.0 * area, d.yarn.bending = 1e-9, d.yarn.shear = 1e-3;
+    d.yarn.stretch = stretch * 1e7 * area, d.yarn.density = 1000.0 * area, d.yarn.bending = 1e-9, d.yarn.shear = 1e-3;
     d.along_v[1] = 0.0, d.along_v[2] = -1.0; /* it lies flat, then swings about its edge v = 0 */
+    return d;
+}
+
+scene_swatch *scene_swing(scene_kind kind, int cells) {
+    scene_swatch_desc d = swing_desc(kind, cells, 10.0 * 1e-3 * cells, 1.0);
     return scene_swatch_new(&d);
+}
+
+scene_swatch *scene_swing_sized(int cells, double size, double region, double stretch) {
+    scene_swatch_desc d = swing_desc(SCENE_MIXED, cells, size, stretch);
+    scene_swatch *s;
+    d.region = region + 1e-6;
+    s = scene_swatch_new(&d);
+    if (!s) return NULL;
+    yc_yarns_destroy(&s->yarns);
+    s->weave.crimp[0] = s->weave.crimp[1] = 0.05;
+    if (yc_weave(NULL, &s->weave, &s->cloth.mesh, &s->yarns, s->message) == YC_OK) return s;
+    scene_swatch_free(s);
+    return NULL;
 }
 
 yc_result scene_shear(yc_scene *scene, int cloth, const scene_swatch *s, double displacement) {

@@ -83,6 +83,10 @@ void scene_chain_free(scene_chain *chain);
  * the size: cells x cells pairs of triangles with 10 x 10 crossings each. The kind is as the caller wants it. */
 scene_swatch *scene_swing(scene_kind kind, int cells);
 
+/* The same yarns in a square of that size, crimped by 5 %, on as many pairs of triangles along each side: alpha 1 up to
+ * `region` of the size from the middle. They are `stretch` times as stiff. */
+scene_swatch *scene_swing_sized(int cells, double size, double region, double stretch);
+
 /* MIX Fig. 3: the two opposite sides u = 0 and u = size are held by pins on yarn nodes and moved along v. Call once to
  * pin, then before each step with the displacement reached at its end. */
 yc_result scene_shear(yc_scene *scene, int cloth, const scene_swatch *swatch, double displacement);
