@@ -165,7 +165,7 @@ static void convergence(void) {
     static const int per[] = {25, 100, 400}, all[] = {14, 8, 5}, few[] = {9, 6, 5}, sizes[] = {7, 12, 22};
     double own[3], first[3] = {0.0, 0.0, 0.0}, stretch;
     system_desc d = system_desc_default();
-    int i, k, limit = quick ? 300 : 2000;
+    int i, k, limit = quick ? 1000 : 2000;
     say("iterations to a velocity error of 1e-1/1e-2/1e-4\n\nsweep\n");
     for (i = 0; i < 3; i++)
         for (stretch = quick ? 10.0 : 1.0; stretch <= (quick ? 10.0 : 100.0); stretch *= 10.0) {
