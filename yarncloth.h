@@ -14204,9 +14204,9 @@ static yc_result yci_system_factor(yci_system *s) {
  * and their yarn goes to loops elsewhere: springs, since what presses a contact is not known here, but of the order of
  * what bends a segment. With a tenth of them lace has the same pattern, and the gauge of plain knitting and ribs, whose
  * loops hardly pull on each other, is the same to 0.3 %; ten times as much keeps loops as wide as they are laid.
- * Repeats that wrap in space gave hardly another gauge: stockinette the same, garter 0.99 of its height, 1x1 rib 0.52 of its
- * width, about what pieces draw in to from the flat shape; with sliding too, garter became higher by a tenth, not
- * lower.
+ * Repeats that wrap in space gave hardly another gauge: stockinette the same, garter 0.99 of its height, 1x1 rib 0.52
+ * of its width, about what pieces draw in to from the flat shape; with sliding too, garter became higher by a tenth,
+ * not lower.
  *
  * Blending (MIX 4.1). An element's weight is alpha (yarn) or 1 - alpha (triangle) at its centroid; values in (0, 0.01]
  * are raised to 0.01. A segment's mass goes to its nodes by alpha and to the vertices by 1 - alpha, so the total is the
