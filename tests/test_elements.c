@@ -618,6 +618,20 @@ static void elements_contact_of(double *q, double size, double a, double b, doub
     elements_move(q, 4, size);
 }
 
+/* Nothing is NaN where tails have no length or lie in the axis. */
+static void elements_wrap_degenerate(double (*wrap)(const double *, double, double, double *, double *, int)) {
+    for (int trial = 0; trial < 4; trial++) {
+        double q[12], g[12], h[144];
+        elements_contact_of(q, 1e-3, trial == 0 ? 0.0 : 1.0, trial == 1 ? YCI_PI : 1.0, 0.3);
+        if (trial == 2) yci_copy(q + 6, q);
+        if (trial == 3) yci_copy(q + 3, q);
+        for (int projected = 0; projected < 2; projected++) {
+            CHECK(wrap(q, 1.0, 0.5 * YCI_PI, g, h, projected) >= 0.0);
+            CHECK(elements_finite(g, 12) && elements_finite(h, 144));
+        }
+    }
+}
+
 TEST(yarn_wrap) {
     /* Near the axis, across it, folded back; flat, wrapped, folded over. */
     static const double tilt[4] = {1e-3, 0.7, 0.5 * YCI_PI, 2.6}, psi[5] = {0.0, 1.4, -1.3, 3.1, -3.1};
@@ -651,17 +665,7 @@ TEST(yarn_wrap) {
         }
         CHECK(form[0] > 0.0 && fabs(form[0] - form[1]) < 1e-12 * form[0]);
     }
-    /* Nothing is NaN where tails have no length or lie in the axis. */
-    for (int trial = 0; trial < 4; trial++) {
-        double q[12], g[12], h[144];
-        elements_contact_of(q, 1e-3, trial == 0 ? 0.0 : 1.0, trial == 1 ? YCI_PI : 1.0, 0.3);
-        if (trial == 2) yci_copy(q + 6, q);
-        if (trial == 3) yci_copy(q + 3, q);
-        for (int projected = 0; projected < 2; projected++) {
-            CHECK(yci_yarn_wrap(q, 1.0, 0.5 * YCI_PI, g, h, projected) >= 0.0);
-            CHECK(elements_finite(g, 12) && elements_finite(h, 144));
-        }
-    }
+    elements_wrap_degenerate(yci_yarn_wrap);
 }
 
 static double elements_wrap_literal(const double *p, const double *q, double *g, double *h, int projected) {
@@ -685,16 +689,7 @@ TEST(yarn_wrap_literal) {
         elements_wrap_literal(p, q, NULL, h, 1);
         CHECK(elements_semidefinite(h, 12));
     }
-    for (int trial = 0; trial < 4; trial++) {
-        double q[12], g[12], h[144];
-        elements_contact_of(q, 1e-3, trial == 0 ? 0.0 : 1.0, trial == 1 ? YCI_PI : 1.0, 0.3);
-        if (trial == 2) yci_copy(q + 6, q);
-        if (trial == 3) yci_copy(q + 3, q);
-        for (int projected = 0; projected < 2; projected++) {
-            CHECK(yci_yarn_wrap_literal(q, 1.0, 0.5 * YCI_PI, g, h, projected) >= 0.0);
-            CHECK(elements_finite(g, 12) && elements_finite(h, 144));
-        }
-    }
+    elements_wrap_degenerate(yci_yarn_wrap_literal);
 }
 
 static double elements_wrap_damp(const double *p, const double *q, double *g, double *h, int projected) {

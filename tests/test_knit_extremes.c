@@ -2,7 +2,7 @@
  * together so that it folds, let go. Every case has to converge to its tolerance; a table says what that took. The
  * inputs are those of hand-knitted wool, at rest as it is laid or with yarn that would rather be straight, and of a
  * chart with decreases; one or all of them away from there. And charts as small and as large as can be. */
-#include "test.h"
+#include "test_scene.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -71,17 +71,6 @@ static void draw(swatch *w, const yc_knit_desc *d, int side, double strain) {
     }
 }
 
-static int is_finite(const swatch *w) {
-    yc_yarns now; /* it may have changed */
-    int i, k, finite = yc_scene_network(w->scene, 0, &now) == YC_OK;
-    double(*x)[3] = (double(*)[3])malloc((size_t)now.node_count * sizeof *x);
-    finite = finite && x && yc_scene_positions(w->scene, 0, YC_NODE, x) == YC_OK;
-    for (i = 0; finite && i < now.node_count; i++)
-        for (k = 0; k < 3; k++) finite = finite && fabs(x[i][k]) < 1e3;
-    free(x);
-    return finite;
-}
-
 /* What a group of cases took; worst is Newton iterations a sub-step, the mean over a step. */
 typedef struct effort {
     int cases, substeps, newton, rejected;
@@ -113,7 +102,7 @@ static void run_case(int base, const yc_knit_desc *knit, double dt, effort *sum)
         substeps += stats.substeps, rejected += stats.rejected;
         sum->newton += stats.newton, sum->worst = fmax(sum->worst, (double)stats.newton / stats.substeps);
     }
-    CHECK(is_finite(&w));
+    CHECK(test_is_finite(w.scene));
     CHECK(rejected <= substeps);
     sum->cases++, sum->substeps += substeps, sum->rejected += rejected;
     swatch_free(&w);

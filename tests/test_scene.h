@@ -4,6 +4,7 @@
 #define TEST_SCENE_H
 
 #include "test.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,6 +30,18 @@ static inline test_saved test_save(yc_scene *scene) {
     s.bytes = (char *)malloc(s.size);
     CHECK_RESULT(yc_scene_save(scene, s.bytes, &s.size), YC_OK);
     return s;
+}
+
+/* Whether the yarn nodes of the first cloth, as it is now, are within a kilometre. */
+static inline int test_is_finite(yc_scene *scene) {
+    yc_yarns now;
+    int i, k, finite = yc_scene_network(scene, 0, &now) == YC_OK;
+    double(*x)[3] = finite ? (double(*)[3])malloc((size_t)now.node_count * sizeof *x) : NULL;
+    finite = x && yc_scene_positions(scene, 0, YC_NODE, x) == YC_OK;
+    for (i = 0; finite && i < now.node_count; i++)
+        for (k = 0; k < 3; k++) finite = finite && fabs(x[i][k]) < 1e3;
+    free(x);
+    return finite;
 }
 
 static inline int test_same(test_saved a, test_saved b) {

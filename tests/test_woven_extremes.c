@@ -3,7 +3,7 @@
  * of the default yarn, without crimp and with it, and of the woven presets, one or all of them away from there. And the
  * tensile test at three time steps. */
 #include "scenes/scenes.h"
-#include "test.h"
+#include "test_scene.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -74,17 +74,6 @@ static void draw(swatch *w, double strain) {
     }
 }
 
-static int is_finite(const swatch *w) {
-    yc_yarns now; /* it may have changed */
-    int i, k, finite = yc_scene_network(w->scene, 0, &now) == YC_OK;
-    double(*x)[3] = (double(*)[3])malloc((size_t)now.node_count * sizeof *x);
-    finite = finite && x && yc_scene_positions(w->scene, 0, YC_NODE, x) == YC_OK;
-    for (i = 0; finite && i < now.node_count; i++)
-        for (k = 0; k < 3; k++) finite = finite && fabs(x[i][k]) < 1e3;
-    free(x);
-    return finite;
-}
-
 /* What a group of cases took; worst is Newton iterations a sub-step, the mean over a step. */
 typedef struct effort {
     int cases, substeps, newton, rejected;
@@ -109,7 +98,7 @@ static void run_case(const yc_weave_desc *weave, double dt, effort *sum) {
         substeps += stats.substeps, rejected += stats.rejected;
         sum->newton += stats.newton, sum->worst = fmax(sum->worst, (double)stats.newton / stats.substeps);
     }
-    CHECK(is_finite(&w));
+    CHECK(test_is_finite(w.scene));
     CHECK(rejected <= substeps);
     sum->cases++, sum->substeps += substeps, sum->rejected += rejected;
     swatch_free(&w);
@@ -220,7 +209,7 @@ TEST(woven_extremes_creased) {
         newton += stats.newton, substeps += stats.substeps, rejected += stats.rejected;
     }
     printf("   creased: %d sub-steps, %d rejected, %d Newton iterations\n", substeps, rejected, newton);
-    CHECK(is_finite(&w));
+    CHECK(test_is_finite(w.scene));
     CHECK(rejected == 0 && newton <= 20);
     swatch_free(&w);
 }

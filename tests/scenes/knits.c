@@ -168,35 +168,15 @@ yc_result scene_knit_hold(scene_knit *k) {
     return result;
 }
 
-yc_result scene_knit_settle(scene_knit *k, int most) {
+/* Steps of `time`, at most so many, until nothing moves by more than `still` in one. */
+static yc_result come_to_rest(scene_knit *k, double time, double still, int most) {
     size_t bytes = (size_t)k->yarns.node_count * sizeof *k->x;
     double(*before)[3] = (double(*)[3])malloc(bytes);
     yc_result result = before ? YC_OK : YC_ERROR_MEMORY;
     yc_stats stats;
     int i;
     k->moved = HUGE_VAL;
-    while (result == YC_OK && most-- > 0 && k->moved > 0.05 * k->desc.yarn.radius) {
-        memcpy(before, k->x, bytes);
-        result = yc_scene_step(k->scene, 10.0 * k->period, &stats);
-        if (result == YC_OK) result = yc_scene_positions(k->scene, 0, YC_NODE, k->x);
-        k->newton += stats.newton, k->substeps += stats.substeps, k->rejected += stats.rejected;
-        k->seconds += stats.seconds;
-        for (k->moved = 0.0, i = 0; i < 3 * k->yarns.node_count; i++)
-            k->moved = fmax(k->moved, fabs(k->x[i / 3][i % 3] - before[i / 3][i % 3]));
-    }
-    free(before);
-    return result;
-}
-
-yc_result scene_knit_fall(scene_knit *k, double speed, int most) {
-    const double time = 0.02;
-    size_t bytes = (size_t)k->yarns.node_count * sizeof *k->x;
-    double(*before)[3] = (double(*)[3])malloc(bytes);
-    yc_result result = before ? YC_OK : YC_ERROR_MEMORY;
-    yc_stats stats;
-    int i;
-    k->moved = HUGE_VAL;
-    while (result == YC_OK && most-- > 0 && k->moved > speed * time) {
+    while (result == YC_OK && most-- > 0 && k->moved > still) {
         memcpy(before, k->x, bytes);
         result = yc_scene_step(k->scene, time, &stats);
         if (result == YC_OK) result = yc_scene_positions(k->scene, 0, YC_NODE, k->x);
@@ -207,6 +187,15 @@ yc_result scene_knit_fall(scene_knit *k, double speed, int most) {
     }
     free(before);
     return result;
+}
+
+yc_result scene_knit_settle(scene_knit *k, int most) {
+    return come_to_rest(k, 10.0 * k->period, 0.05 * k->desc.yarn.radius, most);
+}
+
+yc_result scene_knit_fall(scene_knit *k, double speed, int most) {
+    const double time = 0.02;
+    return come_to_rest(k, time, speed * time, most);
 }
 
 /* The area within a course of the yarn, as seen along z; holes of lace are closed by that. */
