@@ -1826,10 +1826,12 @@ static void yci_product_lapack(
  * includes itself: define YC_SELF as its name where that is not yarncloth.h. YC_NO_SIMD leaves plain C alone. */
 #if defined(__GNUC__) && !defined(YC_NO_SIMD) && !defined(__CUDACC__)
 #define YCI_GNU
-#ifdef __clang__
+#if defined(__clang__)
 #define YCI_UNROLL _Pragma("clang loop unroll(full)")
-#else
+#elif defined(__OPTIMIZE__)
 #define YCI_UNROLL _Pragma("GCC unroll 8")
+#else
+#define YCI_UNROLL /* of which gcc warns where it does not optimize */
 #endif
 #define YCI_INLINE static inline __attribute__((always_inline))
 #define YCI_PREFETCH(p) __builtin_prefetch(p)
@@ -10758,10 +10760,9 @@ YC_API yc_result yc_knit(const yc_host *host, const yc_knit_desc *desc, yc_yarns
  *   wrapping     k L (1 - s_p s_q cos(psi - psi_0)), s_p, s_q the sines of two tails' angles to a stitch contact's
  *                axis, psi their dihedral about it, 0 when flat (YARN 4.2, eq. 2, smooth: a polynomial of three unit
  *                vectors, as stiff as the literal (1/2) k L (psi - psi_0)^2 where both tails stand across the axis;
- *                that is the hinge of chapter triangle, undefined where a tail lies in the axis; for comparison
- *                it is here too, with a guard). With p, q the parts
- *                of the tails across it, q turned by psi_0 about it, it is k L/2 (|p - q|^2 + (tail.axis)^2 of both);
- *                projected is the Gauss-Newton form of that, exact at rest.
+ *                that is the hinge of chapter triangle, undefined where a tail lies in the axis; for comparison it is
+ *                here too, with a guard). With p, q the parts of the tails across it, q turned by psi_0 about it, it is
+ *                k L/2 (|p - q|^2 + (tail.axis)^2 of both); projected is the Gauss-Newton form of that, exact at rest.
  *   length       (1/2) k L (du/L - 1)^2, of the yarn in a stitch contact (YARN 4.5). Convex: projected is exact.
  *   turning      the friction law of phi in place of u, k in N m, limit = mu lambda (2/3) rho: the moment of a pressure
  *                lambda spread evenly over a disc of radius rho. Part of shear; f'' is the projected one always.
@@ -11073,8 +11074,7 @@ YC_FN void yci_yarn_angle_derivatives(const yci_yarn_angle *angle, const double 
 }
 
 /* -- bending: q = (x_a, x_b, x_c, u_a, u_c), jam the width in radians over which jamming sets in, 0 for none ------- */
-/*    It begins at a right angle, or at the rest angle where that is more: what was set so does not press itself
- *    open. */
+/*    It begins at a right angle, or at the rest angle where that is more: what was set so does not press itself open */
 
 YC_FN double yci_yarn_bend_strain(const double *q) {
     double e1[3], e2[3], m[3];
@@ -13534,19 +13534,18 @@ static void yci_mass_dense_apply(yci_mass_dense *p, const double *r_v, const dou
  *
  * Two-level preconditioner. Fine level: independent increments (p, v outside the filter's set) carry the same motion as
  * q by the map T of chapter mixed, so M1 = T IC(A_pp)^-1 T', IC the incomplete factor of the yarn block in yarn order;
- * others by name, see yc_smoother.
- * Coarse level: Z has a column triple per mesh vertex: v = 1, x = 0, full yarn nodes by their barycentric weights;
- * Ac = Z'AZ is factored. Q = Z Ac^-1 Z'. Applied as z = M1 r, z += Q (r - A z), from the start vector Q b; the triangle
- * region is thereby solved exactly on every iteration. Where triangles carry many yarn nodes, independent increments
- * have a finer coarse space, a net laid over the pattern: IC(A_pp)^-1 + Zn (Zn' A_pp Zn)^-1 Zn' stands for IC(A_pp)^-1.
- * At 5 ms, 400 nodes on a triangle, that and one level of fill take 48 iterations to 1 % of the velocity instead of 72;
- * 100 nodes on a triangle, 84 instead of 116. The iteration stops when sqrt(r'z) has fallen to a share of its
- * start, which measures the error in the energy norm; a raw residual would not.
+ * others by name, see yc_smoother. Coarse level: Z has a column triple per mesh vertex: v = 1, x = 0, full yarn nodes
+ * by their barycentric weights; Ac = Z'AZ is factored. Q = Z Ac^-1 Z'. Applied as z = M1 r, z += Q (r - A z), from the
+ * start vector Q b; the triangle region is thereby solved exactly on every iteration. Where triangles carry many yarn
+ * nodes, independent increments have a finer coarse space, a net laid over the pattern: IC(A_pp)^-1 + Zn (Zn' A_pp
+ * Zn)^-1 Zn' stands for IC(A_pp)^-1. At 5 ms, 400 nodes on a triangle, that and one level of fill take 48 iterations to
+ * 1 % of the velocity instead of 72; 100 nodes on a triangle, 84 instead of 116. The iteration stops when sqrt(r'z) has
+ * fallen to a share of its start, which measures the error in the energy norm; a raw residual would not.
  *
  * In knits the incomplete factor counts for more than the coarse level, see yci_build_sweep. Iterations to 1e-4 in
  * stockinette of 6,700 nodes at 1 ms, and at 5 ms, without fill in the yarn's order: 74 to 155, over 500; wale by wale:
- * 20 to 61, 118; with one level of fill: 14 to 24, 58; with two: 9 to 11, 32, and 30 with 26,000 nodes. A
- * system of 26,000 nodes at 1 ms takes 0.27 s, by a direct factor 0.42 s.
+ * 20 to 61, 118; with one level of fill: 14 to 24, 58; with two: 9 to 11, 32, and 30 with 26,000 nodes. A system of
+ * 26,000 nodes at 1 ms takes 0.27 s, by a direct factor 0.42 s.
  * ===================================================================================================================== */
 
 /* A coarse space: columns, three unknowns each, that move system nodes. */
@@ -13770,8 +13769,8 @@ static void yci_system_mass(yci_system *s, const double *r, double *z) {
 
 /* Through T' to independent increments, the incomplete factors there, and back. */
 static void yci_system_incomplete(yci_system *s, const double *r, double *z) {
-    int i, size = yci_system_size(s);
-    memcpy(z, r, (size_t)yci_system_size(s) * sizeof *z);
+    int i, size = yci_system_size(s), added = s->net.factor || s->ic[1];
+    memcpy(z, r, (size_t)size * sizeof *z);
     if (s->hybrid_count) {
         yci_system_take_vertices(s, r, s->v);
         yci_system_take_hybrid(s, r, s->p);
@@ -13779,7 +13778,7 @@ static void yci_system_incomplete(yci_system *s, const double *r, double *z) {
         yci_system_put_vertices(s, s->v, z);
         yci_system_put_hybrid(s, s->p, z);
     }
-    memcpy(s->work, z, (size_t)size * sizeof *z);
+    if (added) memcpy(s->work, z, (size_t)size * sizeof *z);
     yci_ic_solve(s->ic[0], z);
     if (s->net.factor) yci_coarse_add(&s->net, &s->a, s->work, z);
     if (s->ic[1]) yci_ic_solve(s->ic[1], s->work);
@@ -14129,10 +14128,9 @@ static yc_result yci_system_factor(yci_system *s) {
  * (yci_carry): each half of a segment has moved with one speed, c = x' - w u' (chapter 6); what lies at a node now
  * gets the mean of those of the material that has come there; and v becomes the speeds nearest to these by mass. That
  * keeps linear momentum to rounding and never adds kinetic energy; it takes some where speeds differ along a yarn that
- * slides, of first order in the pitch, as upwind schemes do. A sub-step
- * ends no higher in E than it began, so any step size stays finite; one that fails is restored and halved. A user's
- * step is bounded: with more iterations than newton_limit times its planned sub-steps and YCI_RETRIES, the next failure
- * is its own.
+ * slides, of first order in the pitch, as upwind schemes do. A sub-step ends no higher in E than it began, so any step
+ * size stays finite; one that fails is restored and halved. A user's step is bounded: with more iterations than
+ * newton_limit times its planned sub-steps and YCI_RETRIES, the next failure is its own.
  *
  * Newton, with positive semidefinite element Hessians. Where a stiff segment of length l turns by a, the linear step
  * makes it longer by l a^2 / 2, and the tension of that, were it let into the Hessian, would all but forbid to turn any
@@ -16372,8 +16370,7 @@ static yc_result yci_build_system(yc_scene *s, yci_model *m) {
     yc_result result = YC_ERROR_MEMORY;
     size_t n = (size_t)s->nodes, vertices = (size_t)s->vertices;
     yci_net net;
-    int i;
-    int lines = s->desc.smoother == YC_SMOOTHER_LINE;
+    int i, lines = s->desc.smoother == YC_SMOOTHER_LINE;
     if (m->has_system) yci_system_destroy(&m->system);
     m->has_system = 0, m->pinned = 0;
     memset(&w, 0, sizeof w), memset(&in, 0, sizeof in);

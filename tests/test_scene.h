@@ -44,6 +44,19 @@ static inline int test_is_finite(yc_scene *scene) {
     return finite;
 }
 
+/* What cases of some kind took; worst is Newton iterations a sub-step, the mean over a step. */
+typedef struct test_effort {
+    int cases, substeps, newton, rejected;
+    double worst;
+} test_effort;
+
+/* Adds a step, which must have come to its tolerance. */
+static inline void test_effort_add(test_effort *sum, const yc_stats *stats, double tolerance) {
+    CHECK(stats->correction <= tolerance && stats->unfinished == 0);
+    sum->substeps += stats->substeps, sum->rejected += stats->rejected, sum->newton += stats->newton;
+    sum->worst = fmax(sum->worst, (double)stats->newton / stats->substeps);
+}
+
 static inline int test_same(test_saved a, test_saved b) {
     return a.size == b.size && (!a.size || memcmp(a.bytes, b.bytes, a.size) == 0);
 }

@@ -15,10 +15,9 @@
  *            holes as yarn-overs. Flame chevron: columns lean to the other side every ten rows
  *   stretch  swatches with elastic edges drawn by their outermost columns or rows. At 49 N/m of what is laid plain
  *            knits give 10 to 40 % across and ribs 40 to 100 % (cotton jersey and wool rib, KES). What they give at 1 N
- *            per row, where they lock, is no goal: no source is known; garter goes furthest lengthwise;
- *            a rib is opposed by wrapping,
- *            then bending, then stretching, by what grows most from one point to the next (YARN, Fig. 11). The curves
- *            are drawn in out/knit-stretch.png
+ *            per row, where they lock, is no goal: no source is known; garter goes furthest lengthwise; a rib is
+ *            opposed by wrapping, then bending, then stretching, by what grows most from one point to the next (YARN,
+ *            Fig. 11). The curves are drawn in out/knit-stretch.png
  *   sphere   six fabrics of 16 rows fallen on a sphere of 3.2 cm: the drape coefficients of any two, or their depths
  *            below the top, differ by 3 % (YARN, Fig. 12, is without numbers). Each comes to rest: 20 mm/s at most (no
  *            source)
@@ -30,10 +29,8 @@
  *            the 96 s and 7.4 min that YARN reports on a GPU, and 4 GB for the larger. Time per Newton iteration grows
  *            with nodes to a power of 1.1 at most, from a sixteenth of the sweater, by the same solver (no source). All
  *            steps together are given 10 and 20 minutes; with --quick there is time for the sixteenth only. Both are
- *            of wool: cotton jersey as it is laid is so far out of balance that a first step of 1 ms takes 1,421 Newton
- *            iterations in 20 x 20 loops, by direct solves too
- * What stands outside: charts on garments' pieces; YARN's own curves,
- * which are printed without numbers. */
+ *            of wool; a first step of 1 ms of 20 x 20 loops of cotton jersey takes 124 Newton iterations, the next 44
+ * What stands outside: charts on garments' pieces; YARN's own curves, which are printed without numbers. */
 #define _POSIX_C_SOURCE 200809L /* NOLINT(bugprone-reserved-identifier): what POSIX prescribes */
 #include "bench.h"
 #include "report.h"
