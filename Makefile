@@ -13,7 +13,10 @@ COMPILE = $(CC) $(STANDARD) $(CFLAGS) -I. -MMD -MP -c -o $@
 # What examples, tests and benchmarks share: the library compiled once, file formats and drawing, the scenes.
 SHARED := $(BUILD)/yarncloth.o \
     $(patsubst %.c,$(BUILD)/obj/%.o,$(sort $(wildcard examples/common/*.c tests/scenes/*.c)))
-TEST_SOURCES := $(sort $(wildcard tests/*.c))
+TEST_SOURCES ?= $(sort $(wildcard tests/*.c))
+# Tests that reach behind the public functions are one unit with the library, which compiles no slower for them; but for
+# those that change its constants.
+INTERNAL := $(filter-out tests/test_direct.c,$(shell grep -l '"internals.h"' $(TEST_SOURCES)))
 BENCHES := $(patsubst tests/bench/%.c,bench-%,$(sort $(wildcard tests/bench/*.c)))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/%,$(sort $(wildcard examples/*.c)))
 
@@ -91,6 +94,14 @@ $(BUILD)/tests.inc: FORCE
 	@sed -n 's/^TEST(\([A-Za-z0-9_]*\)).*/ENTRY(\1)/p' $(TEST_SOURCES) > $@.new
 	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
 
+$(BUILD)/internals.c: FORCE
+	@mkdir -p $(@D)
+	@printf '#include "%s"\n' tests/internals.h $(INTERNAL) > $@.new
+	@if cmp -s $@.new $@; then rm $@.new; else mv $@.new $@; fi
+
+$(BUILD)/internals.o: $(BUILD)/internals.c
+	$(COMPILE) -DYC_API=extern -Itests $(THREADS) $<
+
 $(BUILD)/obj/tests/main.o: CPPFLAGS := -I$(BUILD)
 $(BUILD)/obj/tests/main.o: $(BUILD)/tests.inc
 $(BUILD)/obj/tests/%.o: THREAD_FLAGS := $(THREADS)
@@ -99,7 +110,9 @@ $(BUILD)/obj/%.o: %.c
 	@mkdir -p $(@D)
 	$(COMPILE) $(CPPFLAGS) $(THREAD_FLAGS) $<
 
-$(BUILD)/tests: $(TEST_SOURCES:%.c=$(BUILD)/obj/%.o) $(SHARED)
+# The longest unit first.
+$(BUILD)/tests: $(BUILD)/internals.o $(patsubst %.c,$(BUILD)/obj/%.o,$(filter-out $(INTERNAL),$(TEST_SOURCES))) \
+    $(filter-out $(BUILD)/yarncloth.o,$(SHARED))
 	$(CC) $(CFLAGS) $(THREADS) -o $@ $^ $(LIBRARIES) -lm
 
 # hello.c brings its own implementation, as a newcomer's first program does; the other examples share one.

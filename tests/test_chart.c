@@ -8,7 +8,7 @@
 
 /* Row instructions of common stitches, as stitch dictionaries give them: facts, in wording of our own. Their counts
  * were checked for one, two and five repeats. */
-static const char charts[] =
+static const char all_charts[] =
     "pattern: Stockinette\n"
     "multiple: 1 + 0\n"
     "sure: yes\n"
@@ -271,7 +271,7 @@ TEST(chart_patterns) {
     for (i = 0; i < PATTERNS; i++) {
         yc_chart chart;
         yc_knit_desc d = yc_knit_desc_default();
-        if (!CHECK_RESULT(read_chart(charts, patterns[i].name, &chart, message), YC_OK) || !CHECK_TEXT(message, ""))
+        if (!CHECK_RESULT(read_chart(all_charts, patterns[i].name, &chart, message), YC_OK) || !CHECK_TEXT(message, ""))
             continue;
         CHECK(chart.row_count == patterns[i].rows);
         CHECK(chart.multiple[0] == patterns[i].multiple && chart.multiple[1] == patterns[i].rest);
@@ -465,11 +465,11 @@ TEST(chart_text_refuses) {
         CHECK_TEXT(message, texts[i][1]);
         CHECK(!memcmp(&chart, &kept, sizeof chart));
     }
-    CHECK_RESULT(read_chart(charts, "Cable 2/2 right cross", &chart, message), YC_ERROR_PARSE);
+    CHECK_RESULT(read_chart(all_charts, "Cable 2/2 right cross", &chart, message), YC_ERROR_PARSE);
     CHECK_TEXT(message, "chart line 59, row 3, stitch 3: '2/2 RC' is a cable, which stitch contacts cannot hold");
-    CHECK_RESULT(read_chart(charts, "Rope cable 3/3 left cross", &chart, message), YC_ERROR_PARSE);
+    CHECK_RESULT(read_chart(all_charts, "Rope cable 3/3 left cross", &chart, message), YC_ERROR_PARSE);
     CHECK_TEXT(message, "chart line 66, row 5, stitch 3: '3/3 LC' is a cable, which stitch contacts cannot hold");
-    CHECK_RESULT(read_chart(charts, "Garte", &chart, message), YC_ERROR_PARSE);
+    CHECK_RESULT(read_chart(all_charts, "Garte", &chart, message), YC_ERROR_PARSE);
     CHECK_TEXT(message, "chart: there is no pattern 'Garte'");
     CHECK_RESULT(yc_chart_read(NULL, NULL, 0, NULL, &chart, message), YC_ERROR_ARGUMENT);
     CHECK_TEXT(message, "text and out must not be NULL");
@@ -506,7 +506,7 @@ TEST(knit_refuses) {
     REFUSED((d.stitches = 1000000, d.rows = 1000), "knit: more than 25000000 loops");
     CHECK_RESULT(yc_knit(NULL, NULL, &y, message), YC_ERROR_ARGUMENT);
     CHECK_TEXT(message, "desc and out must not be NULL");
-    if (CHECK_RESULT(read_chart(charts, "Rib 2x2", &chart, message), YC_OK)) {
+    if (CHECK_RESULT(read_chart(all_charts, "Rib 2x2", &chart, message), YC_OK)) {
         REFUSED((d.chart = &chart, d.stitches = 18),
             "chart line 28, row 1: uses 16 of 18 stitches, and its repeat of 4 does not fit the rest");
         yc_chart_destroy(&chart);
@@ -756,7 +756,7 @@ TEST(chart_fuzz) {
     int n, i, read = 0, knitted = 0;
     for (n = 0; n < 4000; n++) {
         char text[512];
-        const char *begin = strstr(charts, patterns[n % PATTERNS].name) - 9;
+        const char *begin = strstr(all_charts, patterns[n % PATTERNS].name) - 9;
         size_t length = strlen(begin) < 500 ? strlen(begin) : 500;
         yc_knit_desc d = yc_knit_desc_default();
         yc_chart chart;

@@ -376,7 +376,7 @@ TEST(contact_body_pose) {
     CHECK(c.bytes == 0);
 }
 
-static int refused(yci_context *c, const yc_body_desc *desc, const char *word) {
+static int refused_body(yci_context *c, const yc_body_desc *desc, const char *word) {
     yci_body_sdf body, before;
     memset(&body, 0x5a, sizeof body);
     before = body;
@@ -402,7 +402,7 @@ TEST(contact_body_refuses) {
     desc.primitive_count = 2, desc.primitives = p;
     CHECK_RESULT(yci_body_init(&c, &desc, &body), YC_OK);
     yci_body_free(&c, &body);
-#define REFUSED(change, word, undo) (change, CHECK(refused(&c, &desc, word)), undo)
+#define REFUSED(change, word, undo) (change, CHECK(refused_body(&c, &desc, word)), undo)
     REFUSED(desc.cookie++, "cookie", desc.cookie--);
     REFUSED(desc.primitive_count = 0, "primitive_count is 0", desc.primitive_count = 2);
     REFUSED(desc.primitive_count = -4, "primitive_count is -4", desc.primitive_count = 2);
@@ -440,12 +440,12 @@ TEST(contact_body_refuses) {
             bad[i][j] = nan_;
             p[1].sections = (const double(*)[4])bad;
             snprintf(word, sizeof word, "primitives[1].sections[%d][%d]", i, j);
-            CHECK(refused(&c, &desc, word));
+            CHECK(refused_body(&c, &desc, word));
         }
     memcpy(bad, good, sizeof bad), bad[1][0] = 0.0;
-    CHECK(refused(&c, &desc, "sections[1][0] (height) is 0"));
+    CHECK(refused_body(&c, &desc, "sections[1][0] (height) is 0"));
     memcpy(bad, good, sizeof bad), bad[1][2] = 0.0;
-    CHECK(refused(&c, &desc, "sections[1][2] (half depth) is 0"));
+    CHECK(refused_body(&c, &desc, "sections[1][2] (half depth) is 0"));
     p[1].sections = good;
 #undef REFUSED
     for (i = 0; i < 10; i++) {

@@ -14,14 +14,14 @@ typedef struct {
     int triangle[ROOM][3], uv_triangle[ROOM][3];
 } mesh_room;
 
-static mesh_room room; /* one mesh at a time */
+static mesh_room sheet; /* one mesh at a time */
 
 static yc_mesh room_mesh(void) {
     yc_mesh m;
     memset(&m, 0, sizeof m);
-    m.vertex_count = room.vertices, m.uv_count = room.uvs, m.triangle_count = room.triangles;
-    m.positions = (const double(*)[3])room.position, m.uv = (const double(*)[2])room.uv;
-    m.triangles = (const int(*)[3])room.triangle, m.uv_triangles = (const int(*)[3])room.uv_triangle;
+    m.vertex_count = sheet.vertices, m.uv_count = sheet.uvs, m.triangle_count = sheet.triangles;
+    m.positions = (const double(*)[3])sheet.position, m.uv = (const double(*)[2])sheet.uv;
+    m.triangles = (const int(*)[3])sheet.triangle, m.uv_triangles = (const int(*)[3])sheet.uv_triangle;
     return m;
 }
 
@@ -38,30 +38,31 @@ static void add_piece(int nx, int ny, const char *mask, double h, double u, doub
                 int ci = i + (c == 1 || c == 2), cj = j + (c >= 2), at = cj * (nx + 1) + ci;
                 corner[c] = at;
                 if (vertex[at] >= 0) continue;
-                uv[at] = room.uvs;
-                room.uv[room.uvs][0] = u + ci * h, room.uv[room.uvs++][1] = v + cj * h;
-                for (k = 0; k < room.vertices && vertex[at] < 0; k++)
-                    if (weld && fabs(room.position[k][0] - x - ci * h) + fabs(room.position[k][1] - y - cj * h) < 1e-9)
+                uv[at] = sheet.uvs;
+                sheet.uv[sheet.uvs][0] = u + ci * h, sheet.uv[sheet.uvs++][1] = v + cj * h;
+                for (k = 0; k < sheet.vertices && vertex[at] < 0; k++)
+                    if (weld &&
+                        fabs(sheet.position[k][0] - x - ci * h) + fabs(sheet.position[k][1] - y - cj * h) < 1e-9)
                         vertex[at] = k;
                 if (vertex[at] >= 0) continue;
-                vertex[at] = room.vertices;
-                room.position[room.vertices][0] = x + ci * h, room.position[room.vertices][1] = y + cj * h;
-                room.position[room.vertices++][2] = 0.0;
+                vertex[at] = sheet.vertices;
+                sheet.position[sheet.vertices][0] = x + ci * h, sheet.position[sheet.vertices][1] = y + cj * h;
+                sheet.position[sheet.vertices++][2] = 0.0;
             }
             for (k = 0; k < 2; k++) {
                 int flip = (i + j) % 2, t[3];
                 t[0] = corner[flip ? 3 : 0], t[1] = corner[k ? (flip ? 1 : 2) : (flip ? 0 : 1)];
                 t[2] = corner[k ? (flip ? 2 : 3) : (flip ? 1 : 2)];
                 for (c = 0; c < 3; c++) {
-                    room.triangle[room.triangles][c] = vertex[t[c]];
-                    room.uv_triangle[room.triangles][c] = uv[t[c]];
+                    sheet.triangle[sheet.triangles][c] = vertex[t[c]];
+                    sheet.uv_triangle[sheet.triangles][c] = uv[t[c]];
                 }
-                room.triangles++;
+                sheet.triangles++;
             }
         }
 }
 
-static void clear_room(void) { memset(&room, 0, sizeof room); }
+static void clear_room(void) { memset(&sheet, 0, sizeof sheet); }
 
 static double distance(const double *a, const double *b) {
     double d[3];
@@ -147,10 +148,10 @@ static int count_crossings(const yc_yarns *y) {
 }
 
 static void node_position(const yc_yarns *y, int node, double *x) {
-    const int *t = room.triangle[y->triangle[node]];
+    const int *t = sheet.triangle[y->triangle[node]];
     int k;
     yci_zero(x, 3);
-    for (k = 0; k < 3; k++) yci_axpy(x, y->weights[node][k], room.position[t[k]]);
+    for (k = 0; k < 3; k++) yci_axpy(x, y->weights[node][k], sheet.position[t[k]]);
 }
 
 TEST(fabric_rectangle) {
@@ -298,16 +299,16 @@ static void check_ring(yc_edge edge, double least) {
     int i, k, tips = 0;
     clear_room();
     add_piece(40, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
-    for (i = 0; i < room.uvs; i++) {
-        double angle = YCI_PI * room.uv[i][0] / 0.4, r = 0.14 - room.uv[i][1];
-        room.uv[i][0] = -r * cos(angle), room.uv[i][1] = -r * sin(angle);
+    for (i = 0; i < sheet.uvs; i++) {
+        double angle = YCI_PI * sheet.uv[i][0] / 0.4, r = 0.14 - sheet.uv[i][1];
+        sheet.uv[i][0] = -r * cos(angle), sheet.uv[i][1] = -r * sin(angle);
     }
     mesh = room_mesh();
     d.edge[YC_WARP] = d.edge[YC_WEFT] = edge;
     if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
-    for (i = 0; i < room.triangles; i++) {
-        const double *a = room.uv[room.uv_triangle[i][0]], *b = room.uv[room.uv_triangle[i][1]];
-        const double *c = room.uv[room.uv_triangle[i][2]];
+    for (i = 0; i < sheet.triangles; i++) {
+        const double *a = sheet.uv[sheet.uv_triangle[i][0]], *b = sheet.uv[sheet.uv_triangle[i][1]];
+        const double *c = sheet.uv[sheet.uv_triangle[i][2]];
         area += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
     }
     selvedges = edge == YC_EDGE_SELVEDGE;
@@ -350,7 +351,7 @@ TEST(fabric_pieces_overlap) {
         for (k = y.yarn_first[i]; k < y.yarn_first[i + 1]; k++) CHECK((y.triangle[y.visit_node[k]] < 32) == (i < 32));
     yc_yarns_destroy(&y);
     for (i = 0; i < 24; i++) /* the same with UV indices shared by both pieces, which the mesh keeps apart */
-        for (k = 0; k < 3; k++) room.uv_triangle[32 + i][k] = room.uv_triangle[i][k];
+        for (k = 0; k < 3; k++) sheet.uv_triangle[32 + i][k] = sheet.uv_triangle[i][k];
     if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
     CHECK(y.yarn_count == 32 + 28 && count_crossings(&y) == 256 + 192);
     check_weave(&y, &mesh, 0.0);
@@ -359,20 +360,20 @@ TEST(fabric_pieces_overlap) {
 
 /* Doubles the vertices and UVs of the line u = `at` up to `height` for the triangles to its right. */
 static void slit(double at, double height) {
-    int i, k, n, old_uvs = room.uvs;
+    int i, k, n, old_uvs = sheet.uvs;
     for (n = 0; n < old_uvs; n++) {
-        int vertex = room.vertices, used = 0;
-        if (fabs(room.uv[n][0] - at) > 1e-9 || room.uv[n][1] > height) continue;
-        for (i = 0; i < room.triangles; i++)
+        int vertex = sheet.vertices, used = 0;
+        if (fabs(sheet.uv[n][0] - at) > 1e-9 || sheet.uv[n][1] > height) continue;
+        for (i = 0; i < sheet.triangles; i++)
             for (k = 0; k < 3; k++) {
-                const int *t = room.uv_triangle[i];
-                if (t[k] != n || room.uv[t[0]][0] + room.uv[t[1]][0] + room.uv[t[2]][0] < 3.0 * at) continue;
-                yci_copy(room.position[vertex], room.position[room.triangle[i][k]]);
-                room.triangle[i][k] = vertex, room.uv_triangle[i][k] = room.uvs, used = 1;
+                const int *t = sheet.uv_triangle[i];
+                if (t[k] != n || sheet.uv[t[0]][0] + sheet.uv[t[1]][0] + sheet.uv[t[2]][0] < 3.0 * at) continue;
+                yci_copy(sheet.position[vertex], sheet.position[sheet.triangle[i][k]]);
+                sheet.triangle[i][k] = vertex, sheet.uv_triangle[i][k] = sheet.uvs, used = 1;
             }
         if (!used) continue;
-        room.uv[room.uvs][0] = room.uv[n][0], room.uv[room.uvs][1] = room.uv[n][1];
-        room.uvs++, room.vertices++;
+        sheet.uv[sheet.uvs][0] = sheet.uv[n][0], sheet.uv[sheet.uvs][1] = sheet.uv[n][1];
+        sheet.uvs++, sheet.vertices++;
     }
 }
 
@@ -384,9 +385,9 @@ static void check_slit(double shift) {
     int i, k, c, old, ends = 0;
     clear_room();
     add_piece(4, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
-    old = room.uvs;
+    old = sheet.uvs;
     slit(0.02, 0.015);
-    for (i = 0; i < room.uvs; i++) room.uv[i][0] += 0.137 * room.uv[i][1] + (i < old ? 0.0 : shift);
+    for (i = 0; i < sheet.uvs; i++) sheet.uv[i][0] += 0.137 * sheet.uv[i][1] + (i < old ? 0.0 : shift);
     mesh = room_mesh();
     if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
     CHECK(count_family(&y, YC_WEFT) == 16 + 8);
@@ -398,7 +399,7 @@ static void check_slit(double shift) {
             int t = y.triangle[y.visit_node[k]];
             double u = -0.02;
             for (c = 0; c < 3; c++) {
-                const double *uv = room.uv[room.uv_triangle[t][c]];
+                const double *uv = sheet.uv[sheet.uv_triangle[t][c]];
                 u += (uv[0] - 0.137 * uv[1]) / 3.0;
             }
             least = yci_min(least, u), most = yci_max(most, u);
@@ -542,8 +543,8 @@ TEST(fabric_rod_slanted) {
     clear_room();
     add_piece(6, 6, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 1);
     add_piece(6, 6, NULL, 0.01, 1.0, 0.0, 0.06, 0.0, 1);
-    for (i = 0; i < room.uvs; i++) /* sheared about the seam, and turned a little */
-        room.uv[i][0] += 0.431 * room.uv[i][1], room.uv[i][1] -= 0.09 * room.uv[i][0];
+    for (i = 0; i < sheet.uvs; i++) /* sheared about the seam, and turned a little */
+        sheet.uv[i][0] += 0.431 * sheet.uv[i][1], sheet.uv[i][1] -= 0.09 * sheet.uv[i][0];
     mesh = room_mesh();
     if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
     check_weave(&y, &mesh, 0.0);
@@ -571,19 +572,19 @@ TEST(fabric_rod_cycle) {
     clear_room();
     add_piece(4, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
     add_piece(4, 4, NULL, 0.01, 1.0, 0.0, 0.0, 0.0, 0);
-    back = room.vertices / 2;
-    for (i = 0; i < room.vertices; i++) { /* the second piece is the first one's mirror image, turned over */
-        const double *x = room.position[i];
+    back = sheet.vertices / 2;
+    for (i = 0; i < sheet.vertices; i++) { /* the second piece is the first one's mirror image, turned over */
+        const double *x = sheet.position[i];
         map[i] = i;
         if (i < back) continue;
-        room.position[i][0] = 0.04 - x[0];
+        sheet.position[i][0] = 0.04 - x[0];
         for (k = 0; k < back; k++)
-            if (distance(room.position[k], x) < 1e-9 &&
+            if (distance(sheet.position[k], x) < 1e-9 &&
                 (x[0] < 1e-9 || x[0] > 0.04 - 1e-9 || x[1] < 1e-9 || x[1] > 0.04 - 1e-9))
                 map[i] = k;
     }
-    for (i = 0; i < room.triangles; i++)
-        for (k = 0; k < 3; k++) room.triangle[i][k] = map[room.triangle[i][k]];
+    for (i = 0; i < sheet.triangles; i++)
+        for (k = 0; k < 3; k++) sheet.triangle[i][k] = map[sheet.triangle[i][k]];
     mesh = room_mesh();
     if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
     check_weave(&y, &mesh, 0.0);
@@ -599,13 +600,13 @@ TEST(fabric_rod_branch) {
     int i, k, c;
     clear_room();
     add_piece(6, 4, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
-    for (i = 0; i < room.triangles; i++)
+    for (i = 0; i < sheet.triangles; i++)
         for (k = 0; k < 3; k++) {
-            const double *x = room.position[room.triangle[i][k]];
+            const double *x = sheet.position[sheet.triangle[i][k]];
             if (x[0] < 0.06 - 1e-9) continue;
-            for (c = 0; c < room.vertices; c++)
-                if (room.position[c][0] == 0.0 && fabs(room.position[c][1] - x[1]) < 1e-9) break;
-            room.triangle[i][k] = c;
+            for (c = 0; c < sheet.vertices; c++)
+                if (sheet.position[c][0] == 0.0 && fabs(sheet.position[c][1] - x[1]) < 1e-9) break;
+            sheet.triangle[i][k] = c;
         }
     mesh = room_mesh();
     if (!CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, NULL), YC_OK)) return;
@@ -646,15 +647,15 @@ TEST(fabric_random) {
                       : NULL,
             0.01, 0.0, 0.0, 0.0, 0.0, 1);
         add_piece(4, 5, NULL, 0.01, 1.0, 0.0, 0.05, 0.0, 1);
-        for (i = 0; i < room.uvs; i++) {
-            room.uv[i][0] += test_random(&state, -2e-3, 2e-3), room.uv[i][1] += test_random(&state, -2e-3, 2e-3);
+        for (i = 0; i < sheet.uvs; i++) {
+            sheet.uv[i][0] += test_random(&state, -2e-3, 2e-3), sheet.uv[i][1] += test_random(&state, -2e-3, 2e-3);
         }
         mesh = room_mesh();
         CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, message), YC_OK);
         if (!CHECK_TEXT(message, "")) return;
-        for (i = 0; i < room.triangles; i++) {
-            const double *a = room.uv[room.uv_triangle[i][0]], *b = room.uv[room.uv_triangle[i][1]];
-            const double *c = room.uv[room.uv_triangle[i][2]];
+        for (i = 0; i < sheet.triangles; i++) {
+            const double *a = sheet.uv[sheet.uv_triangle[i][0]], *b = sheet.uv[sheet.uv_triangle[i][1]];
+            const double *c = sheet.uv[sheet.uv_triangle[i][2]];
             area += 0.5 * ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]));
         }
         length = check_weave(&y, &mesh, d.grain);
@@ -666,7 +667,7 @@ TEST(fabric_random) {
 
 /* ---- refusals ---------------------------------------------------------------------------------------------------- */
 
-static void refused(const yc_weave_desc *d, const yc_mesh *mesh, yc_result code, const char *expected) {
+static void refused_weave(const yc_weave_desc *d, const yc_mesh *mesh, yc_result code, const char *expected) {
     char message[YC_MESSAGE_SIZE] = "";
     yc_yarns y, before;
     memset(&y, 7, sizeof y);
@@ -684,72 +685,73 @@ TEST(fabric_weave_refuses) {
     yc_yarns y;
     char message[YC_MESSAGE_SIZE];
     d.cookie = 0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.cookie: not made by yc_weave_desc_default()");
-    refused(NULL, NULL, YC_ERROR_ARGUMENT, "desc must not be NULL");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.cookie: not made by yc_weave_desc_default()");
+    refused_weave(NULL, NULL, YC_ERROR_ARGUMENT, "desc must not be NULL");
     CHECK_RESULT(yc_weave(NULL, &good, NULL, NULL, message), YC_ERROR_ARGUMENT);
     CHECK_TEXT(message, "out must not be NULL");
     d = good, d.spacing[1] = -1.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing[1] = -1 must be greater than 0");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing[1] = -1 must be greater than 0");
     d = good, d.spacing[0] = HUGE_VAL;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing[0] = inf must be finite");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing[0] = inf must be finite");
     d = good, d.repeat[0] = 0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.repeat[0] = 0 must be at least 1");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.repeat[0] = 0 must be at least 1");
     d = good, d.size[1] = 0.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.size[1] = 0 must be greater than 0");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.size[1] = 0 must be greater than 0");
     d = good, d.size[1] = HUGE_VAL;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.size[1] = inf must be finite");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.size[1] = inf must be finite");
     d = good, d.grain = HUGE_VAL;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.grain = inf must be finite");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.grain = inf must be finite");
     d = good, d.warp.stretch = 0.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.warp.stretch = 0 must be greater than 0");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.warp.stretch = 0 must be greater than 0");
     d = good, d.warp.stretch = HUGE_VAL - HUGE_VAL;
     CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, message), YC_ERROR_ARGUMENT);
     CHECK(!strncmp(message, "weave.warp.stretch = ", 21) && strstr(message, "nan must be finite"));
     d = good, d.weft.bending = -1.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.bending = -1 must not be negative");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.bending = -1 must not be negative");
     d = good, d.weft.flattening = -2.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.flattening = -2 must not be negative");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.flattening = -2 must not be negative");
     d = good, d.warp.bundle = 0.5;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.warp.bundle = 0.5 must be at least 1");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.warp.bundle = 0.5 must be at least 1");
     d = good, d.weft.shear_limit = 2.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.shear_limit = 2 must lie in (0, pi/2]");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.shear_limit = 2 must lie in (0, pi/2]");
     d = good, d.weft.friction = 11.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.friction = 11 must be at most 10");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.weft.friction = 11 must be at most 10");
     d = good, d.rod.density = -1.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.rod.density = -1 must be greater than 0");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.rod.density = -1 must be greater than 0");
     d = good, d.crimp[1] = 0.6;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.crimp[1] = 0.6 must lie in [0, 0.5]");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.crimp[1] = 0.6 must lie in [0, 0.5]");
     d = good, d.draft = floats, d.repeat[0] = 1, d.repeat[1] = 8, d.crimp[0] = 0.2;
-    refused(&d, NULL, YC_ERROR_ARGUMENT,
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT,
         "weave.crimp[0] = 0.2: the draft changes sides so rarely that a yarn would be 1.8 spacings long there, more "
         "than 1.5");
     d.crimp[0] = 0.1, d.crimp[1] = 0.1; /* the wefts never change sides: they have none */
     if (CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK)) yc_yarns_destroy(&y);
     CHECK_NEAR(yc_weave_material(&d).density, (d.warp.density * 1.1 + d.weft.density) / d.spacing[0], 1e-15);
     d = good, d.edge[1] = (yc_edge)2;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.edge[1] = 2 is none of yc_edge");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.edge[1] = 2 is none of yc_edge");
     d = good, d.bundle = 0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.bundle = 0 must lie in 1 .. 1000");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.bundle = 0 must lie in 1 .. 1000");
     d = good, d.material_count = -1;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.material_count = -1 must lie in 0 .. 100000000");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.material_count = -1 must lie in 0 .. 100000000");
     d = good, d.material_count = 2;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.materials must not be NULL: material_count = 2");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.materials must not be NULL: material_count = 2");
     d.materials = colours, d.order[1] = order;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.order_count[1] = 0 must be at least 1");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.order_count[1] = 0 must be at least 1");
     d.order_count[1] = 3;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.order[1][2] = 2 must lie in 0 .. 1");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.order[1][2] = 2 must lie in 0 .. 1");
     colours[1].radius = -1.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.materials[1].radius = -1 must be greater than 0");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.materials[1].radius = -1 must be greater than 0");
     d = good, d.rod.density = 0.0, d.rod.stretch = -1.0; /* no rods: their material is not looked at */
     CHECK_RESULT(yc_weave(NULL, &d, NULL, &y, NULL), YC_OK);
     yc_yarns_destroy(&y);
     d = good, d.spacing[0] = d.spacing[1] = 1e-5;
-    refused(
+    refused_weave(
         &d, NULL, YC_ERROR_ARGUMENT, "weave.spacing = 1e-05, 1e-05 gives about 4e+08 crossings, more than 100000000");
     d = good, d.spacing[0] = 1e-10, d.spacing[1] = 1000.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing = 1e-10, 1000 gives about 2e+09 lines, more than 100000000");
+    refused_weave(
+        &d, NULL, YC_ERROR_ARGUMENT, "weave.spacing = 1e-10, 1000 gives about 2e+09 lines, more than 100000000");
     d = good, d.spacing[0] = d.spacing[1] = 1.0;
-    refused(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing = 1, 1 is too wide: nowhere do two yarns cross");
+    refused_weave(&d, NULL, YC_ERROR_ARGUMENT, "weave.spacing = 1, 1 is too wide: nowhere do two yarns cross");
 }
 
 TEST(fabric_mesh_refuses) {
@@ -762,52 +764,53 @@ TEST(fabric_mesh_refuses) {
     add_piece(2, 2, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
     good = mesh = room_mesh();
     mesh.vertex_count = 2;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.vertex_count = 2 must be at least 3");
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.vertex_count = 2 must be at least 3");
     mesh = good, mesh.triangle_count = 0;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.triangle_count = 0 must lie in 1 .. 7e8");
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.triangle_count = 0 must lie in 1 .. 7e8");
     mesh = good, mesh.uv_count = -4;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv_count = -4 must be at least 3");
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv_count = -4 must be at least 3");
     mesh = good, mesh.uv = NULL;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv must not be NULL");
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv must not be NULL");
     mesh = good, mesh.positions = NULL;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.positions must not be NULL");
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.positions must not be NULL");
     mesh = good, mesh.triangles = NULL;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.triangles must not be NULL");
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.triangles must not be NULL");
     mesh = good, mesh.uv_triangles = NULL; /* `triangles` serves */
     CHECK_RESULT(yc_weave(NULL, &d, &mesh, NULL, NULL), YC_ERROR_ARGUMENT);
     mesh = good, mesh.uv_count = 8;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv_triangles[6][2] = 8 must lie in 0 .. 7 of the UVs");
-    mesh = good, room.triangle[3][1] = -2;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.triangles[3][1] = -2 must lie in 0 .. 8");
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv_triangles[6][2] = 8 must lie in 0 .. 7 of the UVs");
+    mesh = good, sheet.triangle[3][1] = -2;
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.triangles[3][1] = -2 must lie in 0 .. 8");
     clear_room();
     add_piece(2, 2, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0);
-    room.position[5][2] = HUGE_VAL;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.positions[5][2] = inf must be finite");
-    room.position[5][2] = 0.0, room.uv[4][0] = -HUGE_VAL;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv[4][0] = -inf must be finite");
-    room.uv[4][0] = 0.02;
-    kept = room.uv_triangle[2][0], room.uv_triangle[2][0] = room.uv_triangle[2][1], room.uv_triangle[2][1] = kept;
-    refused(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv_triangles[2]: area -5e-05 m^2 must be > 0");
-    kept = room.uv_triangle[2][0], room.uv_triangle[2][0] = room.uv_triangle[2][1], room.uv_triangle[2][1] = kept;
-    kept = room.triangle[2][0], room.triangle[2][0] = room.triangle[2][1], room.triangle[2][1] = kept;
-    refused(&d, &mesh, YC_ERROR_TOPOLOGY,
+    sheet.position[5][2] = HUGE_VAL;
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.positions[5][2] = inf must be finite");
+    sheet.position[5][2] = 0.0, sheet.uv[4][0] = -HUGE_VAL;
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv[4][0] = -inf must be finite");
+    sheet.uv[4][0] = 0.02;
+    kept = sheet.uv_triangle[2][0], sheet.uv_triangle[2][0] = sheet.uv_triangle[2][1], sheet.uv_triangle[2][1] = kept;
+    refused_weave(&d, &mesh, YC_ERROR_ARGUMENT, "mesh.uv_triangles[2]: area -5e-05 m^2 must be > 0");
+    kept = sheet.uv_triangle[2][0], sheet.uv_triangle[2][0] = sheet.uv_triangle[2][1], sheet.uv_triangle[2][1] = kept;
+    kept = sheet.triangle[2][0], sheet.triangle[2][0] = sheet.triangle[2][1], sheet.triangle[2][1] = kept;
+    refused_weave(&d, &mesh, YC_ERROR_TOPOLOGY,
         "mesh.triangles[0] and [2] are wound against each other at the edge of vertices 1 and 2");
-    room.triangle[2][1] = room.triangle[2][0];
-    refused(&d, &mesh, YC_ERROR_TOPOLOGY, "mesh.triangles[2] = 1 1 4: a vertex occurs twice");
+    sheet.triangle[2][1] = sheet.triangle[2][0];
+    refused_weave(&d, &mesh, YC_ERROR_TOPOLOGY, "mesh.triangles[2] = 1 1 4: a vertex occurs twice");
     clear_room();
     add_piece(2, 1, NULL, 0.01, 0.0, 0.0, 0.0, 0.0, 0); /* a third triangle at the first one's first edge */
     mesh = room_mesh();
-    room.triangle[2][0] = room.triangle[0][1], room.triangle[2][1] = room.triangle[0][0];
-    room.triangle[3][0] = room.triangle[0][0], room.triangle[3][1] = room.triangle[0][1];
-    refused(&d, &mesh, YC_ERROR_TOPOLOGY, "mesh.triangles[0], [2] and [3] share the edge of vertices 0 and 1");
+    sheet.triangle[2][0] = sheet.triangle[0][1], sheet.triangle[2][1] = sheet.triangle[0][0];
+    sheet.triangle[3][0] = sheet.triangle[0][0], sheet.triangle[3][1] = sheet.triangle[0][1];
+    refused_weave(&d, &mesh, YC_ERROR_TOPOLOGY, "mesh.triangles[0], [2] and [3] share the edge of vertices 0 and 1");
     clear_room(); /* a fan that turns around its middle by more than a full circle */
     mesh = room_mesh();
     for (kept = 0; kept < 12; kept++) {
-        room.uv[kept][0] = kept ? 0.05 * cos(kept * 0.7) : 0.0, room.uv[kept][1] = kept ? 0.05 * sin(kept * 0.7) : 0.0;
-        yci_zero(room.position[kept], 3);
-        room.triangle[kept][0] = room.uv_triangle[kept][0] = 0;
-        room.triangle[kept][1] = room.uv_triangle[kept][1] = kept + 1;
-        room.triangle[kept][2] = room.uv_triangle[kept][2] = kept + 2;
+        sheet.uv[kept][0] = kept ? 0.05 * cos(kept * 0.7) : 0.0,
+        sheet.uv[kept][1] = kept ? 0.05 * sin(kept * 0.7) : 0.0;
+        yci_zero(sheet.position[kept], 3);
+        sheet.triangle[kept][0] = sheet.uv_triangle[kept][0] = 0;
+        sheet.triangle[kept][1] = sheet.uv_triangle[kept][1] = kept + 1;
+        sheet.triangle[kept][2] = sheet.uv_triangle[kept][2] = kept + 2;
     }
     mesh.vertex_count = mesh.uv_count = 12, mesh.triangle_count = 10;
     CHECK_RESULT(yc_weave(NULL, &d, &mesh, &y, message), YC_ERROR_TOPOLOGY);
@@ -879,7 +882,7 @@ TEST(fabric_check_refuses) {
     yc_yarns_destroy(&y);
 }
 
-/* Every allocation refused in turn: an ordinary result, nothing leaked, the network untouched. */
+/* Every allocation refused_weave in turn: an ordinary result, nothing leaked, the network untouched. */
 TEST(fabric_out_of_memory) {
     yc_weave_desc d = yc_weave_desc_default();
     yc_mesh mesh;

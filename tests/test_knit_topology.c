@@ -7,7 +7,7 @@
 
 /* What holds after every step and every event: beyond yc_yarns_check, the layers of a node are those of a stack, lone
  * visits do not slide, a stitch contact's new loop lies outside of its stack; mass stays. */
-static int sound(yc_scene *scene, double expected) {
+static int knit_sound(yc_scene *scene, double expected) {
     yc_yarns now;
     char why[YC_MESSAGE_SIZE] = "";
     double mass = 0.0;
@@ -42,7 +42,7 @@ static double mass_of(yc_scene *scene) {
 }
 
 /* Yarns without weight that soon come to rest. */
-static yc_scene *calm(const yc_yarns *y) {
+static yc_scene *calm_scene(const yc_yarns *y) {
     yc_cloth_desc cloth = yc_cloth_desc_default();
     yc_scene_desc settings = yc_scene_desc_default();
     memset(settings.gravity, 0, sizeof settings.gravity);
@@ -52,7 +52,7 @@ static yc_scene *calm(const yc_yarns *y) {
 
 /* Brings about what is due, on its own: mass, positions and, where nothing is pinned, momentum stay; what energy it
  * brings is added to gain[0], what it takes to gain[1]. Its events lie behind those of the last step. */
-static void change(yc_scene *scene, double gain[2]) {
+static void knit_change(yc_scene *scene, double gain[2]) {
     double mass[2], before[3], after[3], speed = 0.0, terms[2][YC_TERM_COUNT], sum = 0.0;
     int i;
     CHECK_RESULT(yc_scene_momentum(scene, &mass[0], before, NULL), YC_OK);
@@ -105,11 +105,11 @@ static void unravel(const char *rows, int stitches, int row_count, double share)
         const yc_event *e;
         yc_stats stats;
         int n;
-        ok = CHECK_RESULT(scene_unravel_pull(u, 4e-4, 2e-3, &stats), YC_OK) && sound(u->scene, mass);
+        ok = CHECK_RESULT(scene_unravel_pull(u, 4e-4, 2e-3, &stats), YC_OK) && knit_sound(u->scene, mass);
         newton += stats.newton, substeps += stats.substeps, rejected += stats.rejected;
         e = yc_scene_events(u->scene, &n);
         tell(&t, e, n);
-        change(u->scene, gain), ok = ok && sound(u->scene, mass);
+        knit_change(u->scene, gain), ok = ok && knit_sound(u->scene, mass);
         tell(&t, u->scene->event + n, u->scene->event_count - n);
         most = fmax(most, fabs(u->force)), mean += fabs(u->force), work += u->force * 4e-4;
     }
@@ -141,7 +141,7 @@ TEST(knit_unravels_decreases) {
     for (step = 0; step < 100 && ok && slipped < 5; step++) {
         const yc_event *e;
         int slips = 0;
-        ok = CHECK_RESULT(scene_unravel_pull(u, 2e-3, 1e-2, NULL), YC_OK) && sound(u->scene, mass);
+        ok = CHECK_RESULT(scene_unravel_pull(u, 2e-3, 1e-2, NULL), YC_OK) && knit_sound(u->scene, mass);
         e = yc_scene_events(u->scene, &n);
         for (i = 0; i < n; i++) slips += e[i].type == YC_EVENT_SLIP;
         for (i = 0; i < n && slips == 1; i++) parts[slipped] += e[i].type == YC_EVENT_PART;
@@ -169,7 +169,7 @@ TEST(knit_unravels_chain) {
     y.visit_held[y.visit_count - 1] = 1;
     chain = d.stitches * (1 + 4 * d.rows);  /* its first node */
     node = y.visit_node[y.visit_count - 4]; /* between the last loop and the end that is drawn through it */
-    scene = calm(&y);
+    scene = calm_scene(&y);
     if (!scene) return;
     mass = mass_of(scene);
     for (i = 0; i < d.stitches; i++) yc_scene_pin(scene, 0, YC_NODE, i, NULL); /* the first row */
@@ -178,7 +178,7 @@ TEST(knit_unravels_chain) {
         const yc_event *e;
         at[0] -= 2e-3, at[2] -= 1e-3;
         CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, node, at), YC_OK);
-        ok = CHECK_RESULT(yc_scene_step(scene, 1e-2, NULL), YC_OK) && sound(scene, mass);
+        ok = CHECK_RESULT(yc_scene_step(scene, 1e-2, NULL), YC_OK) && knit_sound(scene, mass);
         e = yc_scene_events(scene, &n);
         for (i = 0; i < n; i++) {
             parted += e[i].type == YC_EVENT_PART;
@@ -206,7 +206,7 @@ TEST(knit_runs_where_it_breaks) {
     int step, i, k, n, torn[2], broken = 0, slipped = 0, released = 0, ok = 1;
     d.stitches = 5, d.rows = 5, d.yarn.strength = 0.02, d.yarn.friction = 0.1;
     if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
-    scene = calm(&y);
+    scene = calm_scene(&y);
     if (!scene) return;
     mass = mass_of(scene), middle = y.layout[2][0];
     for (i = 0; i < y.node_count; i++) high = fmax(high, y.layout[i][0]);
@@ -221,7 +221,7 @@ TEST(knit_runs_where_it_breaks) {
     }
     CHECK_RESULT(yc_scene_step(scene, 2e-3, NULL), YC_OK);
     scene->cloth[0].yarns.materials[0].strength = 0.1; /* for once */
-    change(scene, gain);
+    knit_change(scene, gain);
     for (i = 0; i < scene->event_count; i++) {
         const yc_event *e = scene->event + i; /* bends of the layout, which is not relaxed, may straighten meanwhile */
         if (e->type == YC_EVENT_BREAK) CHECK(!broken++ && e->yarn == 0 && e->other == 1);
@@ -239,7 +239,7 @@ TEST(knit_runs_where_it_breaks) {
             if (i >= d.stitches) at[0] += side * 5e-5 * step;
             CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, i, at), YC_OK);
         }
-        ok = CHECK_RESULT(yc_scene_step(scene, 1e-2, NULL), YC_OK) && sound(scene, mass);
+        ok = CHECK_RESULT(yc_scene_step(scene, 1e-2, NULL), YC_OK) && knit_sound(scene, mass);
         e = yc_scene_events(scene, &n);
         for (i = 0; i < n; i++) {
             CHECK(e[i].type != YC_EVENT_BREAK);
@@ -258,7 +258,7 @@ TEST(knit_runs_where_it_breaks) {
 /* ---- promises ------------------------------------------------------------------------------------------------- */
 
 /* Steps of a piece that unravels; returns the events. */
-static int live(scene_unravel *u, int steps) {
+static int knit_lives(scene_unravel *u, int steps) {
     int n, events = 0;
     for (; steps > 0; steps--) {
         if (!CHECK_RESULT(scene_unravel_pull(u, 2e-3, 1e-2, NULL), YC_OK)) break;
@@ -279,21 +279,21 @@ TEST(knit_topology_save_and_load) {
     int i, k;
     if (!CHECK(a && b)) return;
     start = test_save(a->scene);
-    CHECK(live(a, 8) > 3);
+    CHECK(knit_lives(a, 8) > 3);
     middle = test_save(a->scene);
-    CHECK(live(a, 8) > 3);
+    CHECK(knit_lives(a, 8) > 3);
     end = test_save(a->scene);
-    CHECK(live(b, 16) > 6);
+    CHECK(knit_lives(b, 16) > 6);
     again = test_save(b->scene);
     CHECK(!test_same(middle, end) && a->yarns.contact_count > a->scene->cloth[0].yarns.contact_count);
     free(again.bytes);
     CHECK_RESULT(yc_scene_load(b->scene, middle.bytes, middle.size), YC_OK);
-    b->pulled = 8 * 2e-3, live(b, 8);
+    b->pulled = 8 * 2e-3, knit_lives(b, 8);
     again = test_save(b->scene);
     CHECK(test_same(end, again));
     free(again.bytes);
     CHECK_RESULT(yc_scene_load(a->scene, start.bytes, start.size), YC_OK); /* back to what was laid */
-    a->pulled = 0.0, live(a, 8);
+    a->pulled = 0.0, knit_lives(a, 8);
     again = test_save(a->scene);
     CHECK(test_same(middle, again));
     bad = (char *)malloc(end.size);
@@ -328,7 +328,7 @@ TEST(knit_topology_failing_allocations) {
         const yc_event *e;
         free(before.bytes);
         before = test_save(u->scene), pulled = u->pulled;
-        live(u, 1);
+        knit_lives(u, 1);
         e = yc_scene_events(u->scene, &events);
         for (i = 0; i < events; i++) slipped += e[i].type == YC_EVENT_SLIP;
     }
@@ -389,11 +389,11 @@ TEST(knit_topology_abuse) {
         test_random_array(&state, -8.0, 8.0, v, 3);
         CHECK_RESULT(yc_scene_set_velocity(scene, 0, YC_NODE, node, v), YC_OK);
         result = yc_scene_step(scene, 4e-3, NULL), refused += result != YC_OK;
-        ok = CHECK(result == YC_OK || result == YC_ERROR_DIVERGED) && sound(scene, mass);
+        ok = CHECK(result == YC_OK || result == YC_ERROR_DIVERGED) && knit_sound(scene, mass);
         e = yc_scene_events(scene, &n);
         for (i = 0; i < n; i++) kinds[e[i].type]++;
         scene->event_count = 0;
-        change(scene, gain), ok = ok && sound(scene, mass);
+        knit_change(scene, gain), ok = ok && knit_sound(scene, mass);
         for (i = 0; i < scene->event_count; i++) kinds[scene->event[i].type]++;
         scene->event_count = 0;
     }

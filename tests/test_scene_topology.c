@@ -223,11 +223,11 @@ TEST(scene_topology_fray) {
     swatch_free(&w);
 }
 
-/* A swatch over a mesh of GRID x GRID cells, whose highest row of vertices has that alpha, the others 1. */
-enum { GRID = 4, CORNERS = (GRID + 1) * (GRID + 1) };
+/* A swatch over a mesh of CELLS x CELLS cells, whose highest row of vertices has that alpha, the others 1. */
+enum { CELLS = 4, CORNERS = (CELLS + 1) * (CELLS + 1) };
 typedef struct meshed {
     double positions[CORNERS][3], uv[CORNERS][2], alpha[CORNERS];
-    int triangles[2 * GRID * GRID][3];
+    int triangles[2 * CELLS * CELLS][3];
     yc_mesh mesh;
 } meshed;
 
@@ -240,14 +240,15 @@ static swatch swatch_on_mesh(meshed *m, double alpha) {
     memset(m, 0, sizeof *m), memset(&w, 0, sizeof w);
     for (i = 0; i < CORNERS; i++) {
         for (k = 0; k < 2; k++)
-            m->positions[i][k] = m->uv[i][k] = SIDE * weave.spacing[k] * (k ? i / (GRID + 1) : i % (GRID + 1)) / GRID;
-        m->alpha[i] = i / (GRID + 1) == GRID ? alpha : 1.0;
+            m->positions[i][k] = m->uv[i][k] =
+                SIDE * weave.spacing[k] * (k ? i / (CELLS + 1) : i % (CELLS + 1)) / CELLS;
+        m->alpha[i] = i / (CELLS + 1) == CELLS ? alpha : 1.0;
     }
-    for (i = 0; i < 2 * GRID * GRID; i++) {
-        int a = i / 2 + i / 2 / GRID, *t = m->triangles[i];
-        t[0] = a, t[1] = i % 2 ? a + GRID + 2 : a + 1, t[2] = i % 2 ? a + GRID + 1 : a + GRID + 2;
+    for (i = 0; i < 2 * CELLS * CELLS; i++) {
+        int a = i / 2 + i / 2 / CELLS, *t = m->triangles[i];
+        t[0] = a, t[1] = i % 2 ? a + CELLS + 2 : a + 1, t[2] = i % 2 ? a + CELLS + 1 : a + CELLS + 2;
     }
-    m->mesh.vertex_count = m->mesh.uv_count = CORNERS, m->mesh.triangle_count = 2 * GRID * GRID;
+    m->mesh.vertex_count = m->mesh.uv_count = CORNERS, m->mesh.triangle_count = 2 * CELLS * CELLS;
     m->mesh.positions = (const double(*)[3])m->positions, m->mesh.uv = (const double(*)[2])m->uv;
     m->mesh.triangles = (const int(*)[3])m->triangles;
     weave.warp.preload = weave.weft.preload = 0.02;
