@@ -13555,7 +13555,9 @@ typedef struct yci_coarse {
     double *weight;
     const unsigned char *skip; /* nodes with no share in vectors, or NULL: hybrid ones follow B v, but x is 0 there */
     yci_bsr matrix;
-    int *target; /* for each block of A on and above the diagonal: blocks of `matrix`, in the loops' order */
+    int *target;          /* blocks of `matrix` to which rows of A add, in the loops' order */
+    int *place, *reached; /* [count] each, and 9 sums for each: see yci_coarse_reach */
+    double *sum;
     yci_ldl *factor;
     double *x, *work;
 } yci_coarse;
@@ -13651,6 +13653,7 @@ static void yci_system_multiply(yci_system *s, const double *q, double *y) {
 
 static void yci_coarse_destroy(yci_context *c, yci_coarse *z) {
     yci_free(c, z->ptr), yci_free(c, z->column), yci_free(c, z->weight), yci_free(c, z->target);
+    yci_free(c, z->place), yci_free(c, z->reached), yci_free(c, z->sum);
     yci_bsr_destroy(c, &z->matrix), yci_ldl_destroy(z->factor);
     yci_free(c, z->x), yci_free(c, z->work);
 }
@@ -13668,46 +13671,63 @@ static void yci_coarse_add(yci_coarse *z, const yci_bsr *a, const double *r, dou
             yci_axpy(q + a->off[i], z->weight[k], z->x + 3 * z->column[k]);
 }
 
-/* Visits the blocks of A on and above the diagonal with the pairs of coarse columns that they couple. With `pairs` it
- * lists the pairs; else it finds the targets in the coarse matrix. Returns their number. */
-static size_t yci_coarse_pairs(yci_coarse *z, const yci_bsr *a, int (*pairs)[2]) {
-    size_t count = 0;
-    int i, k, u, w;
-    for (i = 0; i < a->n; i++)
-        for (k = a->diag[i]; k < a->ptr[i + 1]; k++) {
-            int j = a->col[k];
-            for (u = z->ptr[i]; u < z->ptr[i + 1]; u++)
-                for (w = z->ptr[j]; w < z->ptr[j + 1]; w++, count++) {
-                    if (pairs) pairs[count][0] = z->column[u], pairs[count][1] = z->column[w];
-                    else if (z->target) z->target[count] = yci_bsr_find(&z->matrix, z->column[u], z->column[w]);
-                }
+/* The columns that move what row i of A, on and above the diagonal, couples node i with, each once, in `reached`; their
+ * places there in `place`. None where no column moves node i. */
+static int yci_coarse_reach(yci_coarse *z, const yci_bsr *a, int i) {
+    int k, w, count = 0;
+    for (k = a->diag[i]; k < a->ptr[i + 1] && z->ptr[i] < z->ptr[i + 1]; k++)
+        for (w = z->ptr[a->col[k]]; w < z->ptr[a->col[k] + 1]; w++) {
+            int column = z->column[w], at = z->place[column];
+            if (at < count && z->reached[at] == column) continue;
+            z->place[column] = count, z->reached[count++] = column;
         }
     return count;
 }
 
-/* Ac = Z'AZ from the 3x3 position parts of A's blocks; sliding coordinates stay local. Half of it is summed, which
- * those above the diagonal and half of the diagonal make, and its transpose added. A column with next to no stiffness
- * of its own (yarns missing under it) is held by a trace of its neighbours' diagonal. */
+/* Visits the pairs of columns that rows of A couple. With `pairs` it lists them; else it finds the targets in the
+ * coarse matrix. Returns their number. */
+static size_t yci_coarse_pairs(yci_coarse *z, const yci_bsr *a, int (*pairs)[2]) {
+    size_t count = 0;
+    int i, u, w;
+    for (i = 0; i < a->n; i++) {
+        int reached = yci_coarse_reach(z, a, i);
+        for (u = z->ptr[i]; u < z->ptr[i + 1]; u++)
+            for (w = 0; w < reached; w++, count++) {
+                if (pairs) pairs[count][0] = z->column[u], pairs[count][1] = z->reached[w];
+                else if (z->target) z->target[count] = yci_bsr_find(&z->matrix, z->column[u], z->reached[w]);
+            }
+    }
+    return count;
+}
+
+/* Ac = Z'AZ from the 3x3 position parts of A's blocks; sliding coordinates stay local. First a row of AZ, then what the
+ * row's node makes of it. Half of Ac is summed, which blocks above the diagonal and half of the diagonal make, and its
+ * transpose added. A column with next to no stiffness of its own (yarns missing under it) is held by a trace of its
+ * neighbours' diagonal. */
 static yc_result yci_coarse_factor(yci_coarse *z, const yci_bsr *a) {
     yci_bsr *m = &z->matrix;
     size_t count = 0;
     double trace = 0.0;
     int i, k, u, w, r, t;
     yci_bsr_zero(m);
-    for (i = 0; i < a->n; i++)
-        for (k = a->diag[i]; k < a->ptr[i + 1]; k++) {
+    for (i = 0; i < a->n; i++) {
+        int reached = yci_coarse_reach(z, a, i);
+        memset(z->sum, 0, 9 * (size_t)reached * sizeof *z->sum);
+        for (k = a->diag[i]; k < a->ptr[i + 1] && reached; k++) {
             int j = a->col[k], stride = a->dim[j];
             const double *block = a->val + a->at[k];
-            for (u = z->ptr[i]; u < z->ptr[i + 1]; u++)
-                for (w = z->ptr[j]; w < z->ptr[j + 1]; w++, count++) {
-                    double f = (i == j ? 0.5 : 1.0) * z->weight[u] * z->weight[w];
-                    double *x = m->val + m->at[z->target[count]];
-                    for (r = 0; r < 3; r++) {
-                        const double *row = block + r * stride;
-                        x[3 * r] += f * row[0], x[3 * r + 1] += f * row[1], x[3 * r + 2] += f * row[2];
-                    }
-                }
+            for (w = z->ptr[j]; w < z->ptr[j + 1]; w++) {
+                double f = (i == j ? 0.5 : 1.0) * z->weight[w], *x = z->sum + 9 * z->place[z->column[w]];
+                for (r = 0; r < 3; r++) yci_axpy(x + 3 * r, f, block + r * stride);
+            }
         }
+        for (u = z->ptr[i]; u < z->ptr[i + 1]; u++)
+            for (w = 0; w < reached; w++, count++) {
+                double f = z->weight[u], *x = m->val + m->at[z->target[count]];
+                const double *y = z->sum + 9 * w;
+                for (r = 0; r < 9; r++) x[r] += f * y[r];
+            }
+    }
     for (i = 0; i < z->count; i++)
         for (k = m->diag[i]; k < m->ptr[i + 1]; k++) {
             double *x = m->val + m->at[k];
@@ -13953,7 +13973,9 @@ static yc_result yci_system_coarse_create(yci_system *s, const yci_system_input 
     for (i = total = 0; i < in->n; i++) total += in->is_yarn[i] ? 3 : 1;
     z->column = YCI_NEW(c, int, total), z->weight = YCI_NEW(c, double, total);
     dims = YCI_NEW(c, int, z->count);
-    if (!z->column || !z->weight || !dims) goto done;
+    z->place = YCI_NEW(c, int, z->count), z->reached = YCI_NEW(c, int, z->count);
+    z->sum = YCI_NEW(c, double, 9 * (size_t)z->count);
+    if (!z->column || !z->weight || !dims || !z->place || !z->reached || !z->sum) goto done;
     total = 0;
     for (i = 0; i < in->vertex_count && !net; i++) /* ptr holds the vertex + 1 of a vertex node for a moment */
         if (in->vertex_node[i] >= 0) z->ptr[in->vertex_node[i]] = i + 1;
