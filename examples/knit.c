@@ -1,6 +1,6 @@
 /* Knits that are left to themselves, drawn yarn by yarn.
  *
- *     knit [curl|rib|garter|lace|unravel|piece|sphere]      all of them without a name
+ *     knit [curl|rib|garter|lace|unravel|piece|sphere|plastic]      all of them without a name
  *
  * curl    stockinette: its sides roll towards the purl side, its ends towards the knit side (after YARN, Fig. 7), until
  *         they lie on it; four loops of its middle are held, without which it would roll up into two scrolls
@@ -11,7 +11,8 @@
  * piece   the sleeve of a T-shirt, cut from stockinette and sewn up: its yarns end at the outline, or in the rod of the
  *         seam; edges that hang free roll up
  * sphere  six fabrics of one yarn and about as many stitches, fallen on spheres of 3 cm (YARN, Fig. 12): minutes
- * All but the piece are cast on and worked with one yarn of wool; the first four and the six are bound off. All but
+ * plastic garter that has settled, is drawn out and let go: loops have slipped, and it stays wider (YARN, Fig. 9)
+ * All but the piece are cast on and worked with one yarn of wool; all but that one and unravel are bound off. All but
  * unravel are laid in their rest shape, and then let their contacts unwrap. Each prints a line and writes
  * out/knit-NAME.png, as seen from the right side. Weight acts on the sphere only. */
 #include "common/ex_obj.h"
@@ -271,6 +272,65 @@ static int sphere(void) {
     return !why[0];
 }
 
+/* The same camera for all; lines stand where its middle rows end at first. */
+static int plastic(void) {
+    enum { WIDE = 660, HIGH = 480, STITCHES = 10, ROWS = 10 };
+    static const char *const name[SCENE_PHASES] = {"settled", "drawn out", "let go"};
+    static const double color[1][3] = {{0.74, 0.34, 0.27}}; /* a piece is one yarn */
+    yc_yarn_material wool = scene_soft_wool();
+    const double friction = wool.friction, far = 0.122;
+    ex_image *image = ex_image_new(SCENE_PHASES * WIDE, HIGH, 255, 255, 255);
+    char why[YC_MESSAGE_SIZE] = "";
+    double width[SCENE_PHASES], line[2] = {0.0, 0.0};
+    scene_knit *k;
+    int i, phase;
+    wool.friction = 0.0;
+    k = scene_knit_new(scene_garter, STITCHES, ROWS, &wool, why);
+    for (phase = 0; k && image && phase < SCENE_PHASES && !why[0]; phase++) {
+        ex_yarns_view view;
+        ex_camera camera;
+        ex_image *panel = NULL;
+        char text[64];
+        if (scene_knit_overstretch(k, phase, friction, 0.5, &width[phase]) != YC_OK) {
+            snprintf(why, sizeof why, "%s", yc_scene_message(k->scene));
+            break;
+        }
+        memset(&view, 0, sizeof view), memset(&camera, 0, sizeof camera);
+        view.width = WIDE, view.height = HIGH, view.fuller = 1.0;
+        camera.up[1] = 1.0, camera.fov = 24.0;
+        camera.target[0] = 0.5 * STITCHES / k->rest.wales, camera.target[1] = 0.5 * ROWS / k->rest.courses;
+        memcpy(camera.eye, camera.target, sizeof camera.eye), camera.eye[2] += far;
+        for (i = 0; i < k->yarns.node_count && phase == SCENE_BEFORE; i++) {
+            const double x = k->x[i][0] - camera.target[0];
+            if (fabs(k->start[i][1] - camera.target[1]) > 0.15 * ROWS / k->rest.courses) continue;
+            line[0] = fmin(line[0], x), line[1] = fmax(line[1], x);
+        }
+        panel = ex_yarns_draw(k->scene, 0, &view, color, &camera, 1, why);
+        snprintf(text, sizeof text, "%s: stitches of %.2f mm", name[phase], 1e3 * width[phase]);
+        if (panel) {
+            for (i = 0; i < 2; i++) {
+                const double at =
+                    0.5 * WIDE + 0.5 * HIGH * line[i] / (far * tan(0.5 * 24.0 * 3.14159265358979 / 180.0));
+                ex_image_line(panel, at, 20.0, at, HIGH - 50.0, 1.5, 0x404040);
+            }
+            ex_image_text(panel, (WIDE - ex_image_text_width(2, text)) / 2, HIGH - 30, 2, 0x404040, text);
+            ex_image_paste(image, panel, phase * WIDE, 0);
+        }
+        ex_image_free(panel);
+    }
+    if (k && !why[0])
+        printf("plastic %2d x %2d  drawn out by %.0f %%, then wider by %.1f %%; %d sub-steps, %.1f Newton iterations "
+               "each, %.1f s\n",
+            STITCHES, ROWS, 100.0 * (width[SCENE_DRAWN] / width[SCENE_BEFORE] - 1.0),
+            100.0 * (width[SCENE_AFTER] / width[SCENE_BEFORE] - 1.0), k->substeps, (double)k->newton / k->substeps,
+            k->seconds);
+    if (image && !why[0] && !ex_image_write_png(image, "out/knit-plastic.png"))
+        snprintf(why, sizeof why, "out/knit-plastic.png cannot be written");
+    ex_image_free(image), scene_knit_free(k);
+    if (why[0]) fprintf(stderr, "knit: plastic: %s\n", why);
+    return !why[0];
+}
+
 int main(int argc, char **argv) {
     int i, n = (int)(sizeof pieces / sizeof *pieces), found = 0, fine = 1;
     for (i = 0; i < n; i++)
@@ -278,6 +338,8 @@ int main(int argc, char **argv) {
     if (argc < 2 || strcmp(argv[1], "unravel") == 0) found++, fine &= unravel();
     if (argc < 2 || strcmp(argv[1], "piece") == 0) found++, fine &= cut_piece();
     if (argc < 2 || strcmp(argv[1], "sphere") == 0) found++, fine &= sphere();
-    if (!found) fprintf(stderr, "knit: %s is none of curl, rib, garter, lace, unravel, piece, sphere\n", argv[1]);
+    if (argc < 2 || strcmp(argv[1], "plastic") == 0) found++, fine &= plastic();
+    if (!found)
+        fprintf(stderr, "knit: %s is none of curl, rib, garter, lace, unravel, piece, sphere, plastic\n", argv[1]);
     return !(found && fine);
 }

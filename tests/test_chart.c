@@ -591,6 +591,57 @@ TEST(knit_counts) {
     CHECK(kept.stitches == 20);
 }
 
+/* Width and height of a piece, m, and the yarn in it. */
+static void piece_size(const yc_knit_desc *desc, int stitches, int rows, double out[3]) {
+    yc_knit_desc d = *desc;
+    yc_yarns y;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL};
+    int i, k;
+    memset(out, 0, 3 * sizeof *out);
+    d.stitches = stitches, d.rows = rows;
+    if (!CHECK_RESULT(yc_knit(NULL, &d, &y, NULL), YC_OK)) return;
+    for (i = 0; i < y.node_count; i++)
+        for (k = 0; k < 2; k++) low[k] = fmin(low[k], y.layout[i][k]), high[k] = fmax(high[k], y.layout[i][k]);
+    for (k = 0; k < 2; k++) out[k] = high[k] - low[k];
+    out[2] = y.visit_u[y.visit_count - 1];
+    yc_yarns_destroy(&y);
+}
+
+/* Knits that have names, away from their edges: Munden's shape of a loop, from dry to fully relaxed, a tightness from
+ * hand to machine knitting, and the gauge and mass that are known; relaxed they keep the gauge within a quarter. */
+TEST(knit_fabrics_gauge_and_mass) {
+    static const struct {
+        yc_fabric_name name;
+        double wales, courses, tightness; /* per m; 0: only Munden's range is known */
+    } known[] = {{YC_FABRIC_JERSEY, 0.0, 0.0, 16.0}, {YC_FABRIC_RIB, 0.0, 0.0, 15.3},
+        {YC_FABRIC_STOCKINETTE, 220.0, 300.0, 11.0},             /* to 10 cm, as the label of DK yarn says */
+        {YC_FABRIC_SWEATER, 6.5 / 25.4e-3, 1.0 / 3.0e-3, 13.0}}; /* YARN, 5.1.1 and Table 1 */
+    const int n = 12;
+    int i, k;
+    for (i = 0; i < 4; i++) {
+        yc_knit_desc d;
+        yc_fabric fabric;
+        yc_knit_rest rest;
+        double size[4][3], wide, high, loop, mass;
+        CHECK_RESULT(yc_knit_fabric(known[i].name, &d), YC_OK);
+        CHECK_RESULT(yc_fabric_get(known[i].name, &fabric), YC_OK);
+        for (k = 0; k < 4; k++) piece_size(&d, k % 2 ? 2 * n : n, k / 2 ? 2 * n : n, size[k]);
+        wide = (size[3][0] - size[2][0]) / n, high = (size[3][1] - size[1][1]) / n;
+        loop = (size[3][2] - size[2][2] - size[1][2] + size[0][2]) / (n * n);
+        mass = d.yarn.density * loop / (wide * high);
+        CHECK(mass > fabric.mass[0] && mass < fabric.mass[1]);
+        CHECK(loop / wide > 0.96 * 3.8 && loop / wide < 1.04 * 4.2);
+        CHECK(loop / high > 0.96 * 5.0 && loop / high < 1.04 * 5.5);
+        CHECK_NEAR(sqrt(1e6 * d.yarn.density) / (1e2 * loop), known[i].tightness, 0.1);
+        if (known[i].wales > 0.0) CHECK_NEAR(1.0 / wide / known[i].wales, 1.0, 0.02);
+        if (known[i].courses > 0.0) CHECK_NEAR(1.0 / high / known[i].courses, 1.0, 0.02);
+        if (!CHECK_RESULT(yc_knit_relax(NULL, &d, &rest, NULL), YC_OK)) return;
+        CHECK(fabs(rest.wales / d.wales - 1.0) < 0.25 && fabs(rest.courses / d.courses - 1.0) < 0.25);
+        CHECK_NEAR(rest.loop, d.loop, 0.01 * d.loop);
+        yc_knit_rest_destroy(&rest);
+    }
+}
+
 /* The loop of plain knitting, by hand: its nodes, layers and signs. */
 TEST(knit_layout) {
     yc_knit_desc d = yc_knit_desc_default();

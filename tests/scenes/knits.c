@@ -42,16 +42,22 @@ void scene_knit_free(scene_knit *k) {
     free(k->start), free(k->x), free(k);
 }
 
+/* Where casting on ends and binding off begins. */
+static void find_edges(scene_knit *k) {
+    const yc_yarns *y = &k->yarns;
+    int i, j, last = y->contact_count - (4 * k->desc.stitches - 1); /* the contacts of binding off come last */
+    k->first[1] = k->first[2] = y->visit_count, k->first[3] = y->visit_count;
+    for (i = 0; i < y->contact_count; i++)
+        for (j = 0; j < 2; j++) {
+            int *first = &k->first[i < last ? 1 : 2], visit = y->contacts[i].visit[1][j];
+            if (visit < *first) *first = visit;
+        }
+}
+
 /* A view of the network whose first and last row have yarns of their own. */
 static yc_yarns loosen(scene_knit *k) {
     yc_yarns y = k->yarns;
-    int i, j, last = y.contact_count - (4 * k->desc.stitches - 1); /* the contacts of binding off come last */
-    k->first[1] = k->first[2] = y.visit_count, k->first[3] = y.visit_count;
-    for (i = 0; i < y.contact_count; i++)
-        for (j = 0; j < 2; j++) {
-            int *first = &k->first[i < last ? 1 : 2], visit = y.contacts[i].visit[1][j];
-            if (visit < *first) *first = visit;
-        }
+    int i;
     for (i = 1; i < 3; i++) y.visit_held[k->first[i] - 1] = y.visit_held[k->first[i]] = 2;
     for (i = 0; i < 3; i++) k->family[i] = YC_WEFT, k->material[i] = i != 1;
     k->materials[0] = k->materials[1] = k->desc.yarn, k->materials[1].stretch *= 1e-5;
@@ -106,8 +112,11 @@ static yc_result stage(scene_knit *k, const yc_yarns *y, const double (*at)[3], 
 }
 
 static yc_result begin(scene_knit *k, char *message) {
-    yc_yarns network = k->elastic ? loosen(k) : k->yarns, *y = &network;
-    double length = 2.0 * (y->visit_u[y->visit_count - 1] - y->visit_u[0]) / y->visit_count;
+    yc_yarns network, *y = &network;
+    double length;
+    find_edges(k);
+    network = k->elastic ? loosen(k) : k->yarns;
+    length = 2.0 * (y->visit_u[y->visit_count - 1] - y->visit_u[0]) / y->visit_count;
     k->period = length * length * sqrt(k->desc.yarn.density / k->desc.yarn.bending);
     k->start = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->start);
     k->x = (double(*)[3])calloc((size_t)y->node_count, sizeof *k->x);
@@ -291,6 +300,88 @@ scene_knit_shape scene_knit_look(const scene_knit *k) {
     return s;
 }
 
+/* ---- lace ---- */
+
+double scene_knit_wave(const scene_knit *k, double times) {
+    enum { BINS = 72 };
+    double top[BINS], low = HUGE_VAL, high = -HUGE_VAL, mean = 0.0, c = 0.0, s = 0.0;
+    int i;
+    for (i = 0; i < k->yarns.node_count; i++) low = fmin(low, k->start[i][0]), high = fmax(high, k->start[i][0]);
+    for (i = 0; i < BINS; i++) top[i] = -HUGE_VAL;
+    for (i = 0; i < k->yarns.node_count; i++) {
+        int at = (int)(BINS * (k->start[i][0] - low) / (high - low) * 0.9999);
+        top[at] = fmax(top[at], k->start[i][1]);
+    }
+    for (i = 0; i < BINS; i++) mean += top[i] / BINS;
+    for (i = 0; i < BINS; i++)
+        c += 2.0 / BINS * (top[i] - mean) * cos(2.0 * pi * times * (i + 0.5) / BINS),
+            s += 2.0 / BINS * (top[i] - mean) * sin(2.0 * pi * times * (i + 0.5) / BINS);
+    return hypot(c, s);
+}
+
+int scene_knit_holes(const scene_knit *k, double share) {
+    enum { MOST = 400 };
+    const yc_yarns *y = &k->yarns;
+    const double radius = k->desc.yarn.radius;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, cell, least;
+    unsigned char *covered = (unsigned char *)calloc((size_t)MOST * MOST, 1);
+    int *stack = (int *)malloc((size_t)MOST * MOST * sizeof *stack), i, j, v, n[2], depth, holes = 0;
+    for (i = 0; i < y->node_count; i++)
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], k->start[i][j]), high[j] = fmax(high[j], k->start[i][j]);
+    cell = fmax(high[0] - low[0], high[1] - low[1]) / (MOST - 1);
+    least = share / (k->rest.wales * k->rest.courses * cell * cell);
+    for (j = 0; j < 2; j++) n[j] = (int)((high[j] - low[j]) / cell) + 1;
+    for (v = 0; covered && v + 1 < y->visit_count; v++) {
+        const double *a = k->start[y->visit_node[v]], *b = k->start[y->visit_node[v + 1]];
+        double dx = b[0] - a[0], dy = b[1] - a[1], square = dx * dx + dy * dy;
+        int from[2], to[2];
+        for (j = 0; j < 2; j++) {
+            from[j] = (int)fmax(0.0, (fmin(a[j], b[j]) - radius - low[j]) / cell);
+            to[j] = (int)fmin(n[j] - 1.0, (fmax(a[j], b[j]) + radius - low[j]) / cell);
+        }
+        for (i = from[0]; i <= to[0]; i++)
+            for (j = from[1]; j <= to[1]; j++) {
+                double x = low[0] + i * cell - a[0], z = low[1] + j * cell - a[1];
+                double t = square > 0.0 ? fmax(0.0, fmin(1.0, (x * dx + z * dy) / square)) : 0.0;
+                if (hypot(x - t * dx, z - t * dy) < radius) covered[MOST * j + i] = 1;
+            }
+    }
+    for (v = 0; covered && stack && v < MOST * MOST; v++) { /* what the outline leaves open is no hole */
+        int edge = 0, count = 0;
+        if (v % MOST >= n[0] || v / MOST >= n[1] || covered[v]) continue;
+        covered[v] = 1, stack[0] = v;
+        for (depth = 1; depth; count++) {
+            int at = stack[--depth], x = at % MOST, z = at / MOST;
+            edge |= !x || !z || x == n[0] - 1 || z == n[1] - 1;
+            for (i = 0; i < 4; i++) {
+                int p = x + (i == 0) - (i == 1), q = z + (i == 2) - (i == 3);
+                if (p < 0 || q < 0 || p >= n[0] || q >= n[1] || covered[MOST * q + p]) continue;
+                covered[MOST * q + p] = 1, stack[depth++] = MOST * q + p;
+            }
+        }
+        holes += !edge && count > least;
+    }
+    free(covered), free(stack);
+    return holes;
+}
+
+double scene_knit_lean(const scene_knit *k, double from, double to) {
+    const yc_yarns *y = &k->yarns;
+    double low[2] = {HUGE_VAL, HUGE_VAL}, high[2] = {-HUGE_VAL, -HUGE_VAL}, d[2] = {0.0, 0.0}, height;
+    int i, j;
+    for (i = 0; i < y->node_count; i++)
+        for (j = 0; j < 2; j++) low[j] = fmin(low[j], k->start[i][j]), high[j] = fmax(high[j], k->start[i][j]);
+    height = (high[1] - low[1]) / (k->desc.rows + 1);
+    for (i = 0; i < y->contact_count; i++) {
+        const double *a = k->start[y->visit_node[y->contacts[i].visit[0][0]]],
+                     *b = k->start[y->visit_node[y->contacts[i].visit[0][1]]];
+        double row = (a[1] - low[1]) / height - 0.5;
+        if (fabs(a[0] - 0.5 * (low[0] + high[0])) > 0.25 * (high[0] - low[0]) || row < from || row >= to) continue;
+        d[0] += b[0] - a[0], d[1] += b[1] - a[1];
+    }
+    return atan2(d[0], d[1]);
+}
+
 /* ---- unravelling ---- */
 
 void scene_unravel_free(scene_unravel *u) {
@@ -427,8 +518,8 @@ scene_knit_munden scene_knit_gauge(const scene_knit *k) {
 static int drawn(const scene_knit *k, int axis, int node) {
     const double pitch = 1.0 / (axis ? k->desc.courses : k->desc.wales);
     double low = HUGE_VAL, high = -HUGE_VAL;
-    int i, first = k->elastic ? k->first[1] : 0, after = k->elastic ? k->first[2] : k->yarns.visit_count;
-    for (i = first; i < after; i++) { /* what is cast on or bound off sticks out */
+    int i;
+    for (i = k->first[1]; i < k->first[2]; i++) { /* what is cast on or bound off sticks out */
         double at = k->start[k->yarns.visit_node[i]][axis];
         low = fmin(low, at), high = fmax(high, at);
     }
@@ -510,38 +601,38 @@ static double stitch_width(const scene_knit *k) {
 
 /* From here on its yarns rub by that coefficient where they lie. */
 static yc_result rub(scene_knit *k, double friction) {
-    yc_yarn_material yarn;
+    yc_yarn_material yarn[2];
     yc_yarns now;
     yc_result result = yc_scene_network(k->scene, 0, &now);
+    int i;
     if (result != YC_OK) return result;
-    yarn = now.materials[0], yarn.friction = friction;
-    now.materials = &yarn;
+    for (i = 0; i < 1 + k->elastic; i++) yarn[i] = now.materials[i], yarn[i].friction = friction;
+    now.materials = yarn;
     return stage(k, &now, (const double(*)[3])k->x, NULL);
 }
 
-yc_result scene_knit_overstretch(scene_knit *k, double friction, double stretch, double width[SCENE_PHASES]) {
+yc_result scene_knit_overstretch(scene_knit *k, int phase, double friction, double stretch, double *width) {
     enum { STEPS = 10 };
     double(*from)[3] = (double(*)[3])malloc((size_t)k->yarns.node_count * sizeof *from);
-    yc_result result = from ? scene_knit_settle(k, 30) : YC_ERROR_MEMORY;
+    const double before = stitch_width(k);
+    yc_result result = from ? YC_OK : YC_ERROR_MEMORY;
     int i, n;
-    if (result == YC_OK) result = rub(k, friction);
-    if (result == YC_OK) memcpy(from, k->x, (size_t)k->yarns.node_count * sizeof *from);
-    width[SCENE_BEFORE] = stitch_width(k);
-    for (n = 1; n <= STEPS && result == YC_OK; n++) {
+    if (from) memcpy(from, k->x, (size_t)k->yarns.node_count * sizeof *from);
+    for (n = 1; n <= STEPS && phase == SCENE_DRAWN && result == YC_OK; n++) {
         for (i = 0; i < k->yarns.node_count && result == YC_OK; i++) {
             const int side = drawn(k, 0, i);
             double to[3];
             memcpy(to, from[i], sizeof to);
-            to[0] += 0.5 * side * stretch * k->desc.stitches * width[SCENE_BEFORE] * n / STEPS;
+            to[0] += 0.5 * side * stretch * k->desc.stitches * before * n / STEPS;
             if (side) result = yc_scene_pin(k->scene, 0, YC_NODE, i, to);
         }
         if (result == YC_OK) result = scene_knit_settle(k, n < STEPS ? 1 : 4);
     }
-    width[SCENE_DRAWN] = stitch_width(k);
-    for (i = 0; i < k->yarns.node_count && result == YC_OK; i++)
+    for (i = 0; i < k->yarns.node_count && phase == SCENE_AFTER && result == YC_OK; i++)
         if (drawn(k, 0, i)) result = yc_scene_unpin(k->scene, 0, YC_NODE, i);
-    if (result == YC_OK) result = scene_knit_settle(k, 30);
-    width[SCENE_AFTER] = stitch_width(k);
+    if (phase != SCENE_DRAWN && result == YC_OK) result = scene_knit_settle(k, 30);
+    if (phase == SCENE_BEFORE && result == YC_OK) result = rub(k, friction);
+    *width = stitch_width(k);
     free(from);
     return result;
 }

@@ -14,7 +14,8 @@ typedef struct scene_knit {
     yc_knit_desc desc;
     yc_yarns yarns; /* with its rest shape */
     yc_knit_rest rest;
-    int elastic, first[4], material[3]; /* of elastic edges: the three yarns, */
+    int elastic, first[4]; /* the first visits of what is cast on, worked and bound off, and how many there are */
+    int material[3];       /* of elastic edges: the three yarns, */
     unsigned char family[3];
     yc_yarn_material materials[2]; /* the piece's and theirs */
     yc_scene *scene;
@@ -132,10 +133,19 @@ yc_result scene_knit_draw(scene_knit *knit, int axis, double step, double force,
 /* The stretch at a force, from the first length at which it pulls; NaN where the curve ends before. */
 double scene_knit_pull_at(const scene_knit_pull *pull, double force);
 
-/* A piece of yarn without friction settles, as washing and tumbling do it. From then on its yarns rub by `friction`.
- * Its outermost columns are drawn apart by about that share of its width and let go, and it settles again. Receives how
- * wide its stitches are each time, m, whether it curls or not. */
+/* A piece of yarn without friction settles for a while, as washing and tumbling do it, and from then on its yarns rub
+ * by `friction`; its outermost columns are drawn apart by about a share `stretch` of its width; they are let go, and it
+ * settles again. Each call is one of these, in that order; *width receives how wide the stitches are then, m. */
 enum { SCENE_BEFORE, SCENE_DRAWN, SCENE_AFTER, SCENE_PHASES };
-yc_result scene_knit_overstretch(scene_knit *knit, double friction, double stretch, double width[SCENE_PHASES]);
+yc_result scene_knit_overstretch(scene_knit *knit, int phase, double friction, double stretch, double *width);
+
+/* What lace looks like, of a piece as it was put in: */
+/* the amplitude, m, of a wave of `times` periods along the upper edge; */
+double scene_knit_wave(const scene_knit *knit, double times);
+/* how many gaps there are between yarns as thick as they are, seen from the front, that are larger than that share of a
+ * stitch's area; */
+int scene_knit_holes(const scene_knit *knit, double share);
+/* how columns lean on the average, rad to the right, in rows from .. to - 1, in the middle half of the width. */
+double scene_knit_lean(const scene_knit *knit, double from, double to);
 
 #endif
