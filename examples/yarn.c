@@ -283,7 +283,7 @@ static void bead(lab *l) {
     char text[LABEL];
     scene_net *net;
     int i, k;
-    d.pieces = 16, net = scene_bead(&d);
+    d.pieces = 32, net = scene_bead(&d); /* the share 1 / (4 pieces) of friction is missing: see test_woven.c */
     if (frame(l, 1000, 700, 0.0, 0.0, 0.13) && start(l, &settings, net ? &net->cloth : NULL) &&
         worked(l, scene_bead_tilt(l->scene, slope)) && look(l)) {
         double middle[3] = {0.0, 0.0, 0.0};
