@@ -1,6 +1,6 @@
-# GNU make. `make run` simulates and draws a garment, `make woven` yarns that slide, `make knit` knits, `make hello` the
-# smallest program, `make test` the tests, `make check` the scripts of tests/check. Only a C compiler and libm are needed
-# for all but the last.
+# GNU make. `make run` simulates and draws a garment, `make woven` yarns that slide, `make knit` knits, `make yarn` one
+# yarn against mechanics, `make hello` the smallest program, `make test` the tests, `make check` the scripts of
+# tests/check. Only a C compiler and libm are needed for all but the last.
 
 CFLAGS ?= -O2
 STANDARD := -std=c99 -Wall -Wextra -pedantic -Wconversion -Wshadow
@@ -20,7 +20,7 @@ INTERNAL := $(filter-out tests/test_direct.c,$(shell grep -l '"internals.h"' $(T
 BENCHES := $(patsubst tests/bench/%.c,bench-%,$(sort $(wildcard tests/bench/*.c)))
 EXAMPLES := $(patsubst examples/%.c,$(BUILD)/%,$(sort $(wildcard examples/*.c)))
 
-.PHONY: run woven knit hello examples test check sanitize $(BENCHES) format clean FORCE
+.PHONY: run woven knit yarn hello examples test check sanitize $(BENCHES) format clean FORCE
 
 # make run SCENE=name ARGS="..." hands both to the program; without them it shows its default.
 run: $(BUILD)/garment
@@ -36,6 +36,11 @@ woven: $(BUILD)/woven
 knit: $(BUILD)/knit
 	@mkdir -p out
 	$(BUILD)/knit $(SCENE)
+
+# One yarn against mechanics; make yarn SCENE=bead draws one of the scenes.
+yarn: $(BUILD)/yarn
+	@mkdir -p out
+	$(BUILD)/yarn $(SCENE)
 
 hello: $(BUILD)/hello
 	$(BUILD)/hello

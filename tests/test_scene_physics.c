@@ -1,5 +1,5 @@
 /* Scenes against mechanics: free flight, momentum, energy, mass, pendulum, chain, cantilever, damping. */
-#include "scenes/scenes.h"
+#include "scenes/yarns.h"
 #include "test_scene.h"
 #include <math.h>
 #include <stdlib.h>
@@ -315,33 +315,18 @@ TEST(scene_physics_pendulum) {
 
 /* ---- statics -------------------------------------------------------------------------------------------------- */
 
-/* Long damped steps come to rest: backward Euler over 1e4 s is a minimisation of the energy. */
-static yc_scene_desc resting(void) {
-    yc_scene_desc d = yc_scene_desc_preset(YC_REFERENCE);
-    d.dt_max = 1e4, d.mass_damping = 1.0, d.tolerance = 1e-11, d.newton_limit = 400;
-    return d;
-}
-
-static int rest(yc_scene *scene) {
-    int step;
-    for (step = 0; step < 4; step++)
-        if (!CHECK_RESULT(yc_scene_step(scene, 0.01, NULL), YC_OK)) return 0;
-    for (step = 0; step < 3; step++)
-        if (!CHECK_RESULT(yc_scene_step(scene, 1e4, NULL), YC_OK)) return 0;
-    return 1;
-}
+static int rest(yc_scene *scene) { return CHECK_RESULT(scene_settle(scene), YC_OK); }
 
 /* The sag of a stiff yarn of 0.3 m between two pins 0.2 m apart. */
 static double chain_sag(int pieces, double *pull) {
     yc_yarn_material material = yc_yarn_material_default();
-    double from[3] = {-0.1, 0.0, 0.0}, to[3] = {0.1, 0.0, 0.0}, sag = 0.0, force[3] = {0.0, 0.0, 0.0};
+    double sag = 0.0, force[3] = {0.0, 0.0, 0.0};
     scene_chain *chain;
-    yc_scene_desc settings = resting();
+    yc_scene_desc settings = scene_statics(9.81);
     yc_scene *scene;
     int i;
     material.stretch = 1e3, material.density = 1e-3, material.bending = 0.0;
-    chain = scene_chain_new(pieces, 0.3, from, to, &material);
-    for (i = 0; i <= pieces; i++) chain->positions[i][1] = -0.11 * (1.0 - fabs(2.0 * i / pieces - 1.0));
+    chain = scene_hung(pieces, 0.3, 0.2, &material);
     scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
         double(*x)[3] = (double(*)[3])malloc((size_t)(pieces + 1) * sizeof *x);
@@ -361,13 +346,9 @@ static double chain_sag(int pieces, double *pull) {
     return sag;
 }
 
-/* Catenary y = a cosh(x / a): 2 a sinh(0.1 / a) = 0.3 gives a, its sag and its horizontal force rho g a. */
+/* Against the catenary's sag and its horizontal force rho g a. */
 TEST(scene_physics_hanging_chain) {
-    double a = 0.05, sag, force, pull[2], found[2];
-    int i;
-    for (i = 0; i < 100; i++) /* Newton */
-        a -= (2.0 * a * sinh(0.1 / a) - 0.3) / (2.0 * sinh(0.1 / a) - 0.2 / a * cosh(0.1 / a));
-    sag = a * (cosh(0.1 / a) - 1.0), force = 1e-3 * 9.81 * a;
+    double a = scene_catenary(0.2, 0.3), sag = a * (cosh(0.1 / a) - 1.0), force = 1e-3 * 9.81 * a, pull[2], found[2];
     found[0] = chain_sag(24, pull), found[1] = chain_sag(48, pull + 1);
     CHECK_NEAR(found[1], sag, 1e-3 * sag);
     CHECK_NEAR(pull[1], force, 2e-3 * force);
@@ -402,7 +383,7 @@ static double yarn_cantilever(int pieces, double k, double *reach) {
     yc_yarn_material material = yc_yarn_material_default();
     double piece = 0.1 / (pieces - 0.5), from[3] = {0.0, 0.0, 0.0}, to[3] = {0.0, 0.0, 0.0}, drop = 0.0;
     scene_chain *chain;
-    yc_scene_desc settings = resting();
+    yc_scene_desc settings = scene_statics(9.81);
     yc_scene *scene;
     to[0] = piece * pieces;
     material.stretch = 1e3, material.density = 1e-5;
@@ -431,7 +412,7 @@ static double strip_cantilever(int cells, double k, double *reach) {
     scene_swatch_desc d = scene_swatch_desc_default(SCENE_TRIANGLES);
     double piece = 0.1 / (cells - 0.5), drop = 0.0;
     scene_swatch *s;
-    yc_scene_desc settings = resting();
+    yc_scene_desc settings = scene_statics(9.81);
     yc_scene *scene;
     int i;
     d.one_way = 1;
@@ -483,7 +464,7 @@ TEST(scene_physics_pins_carry_the_weight) {
     for (kind = 0; kind < SCENE_ENRICHED; kind++) {
         scene_swatch_desc d = small((scene_kind)kind);
         scene_swatch *s = scene_swatch_new(&d);
-        yc_scene_desc settings = resting();
+        yc_scene_desc settings = scene_statics(9.81);
         yc_scene *scene;
         double mass = 0.0, force[3], sum[3] = {0.0, 0.0, 0.0};
         settings.dt_max = 0.02, settings.mass_damping = 20.0, settings.tolerance = 1e-9;

@@ -1,6 +1,5 @@
 /* Yarns against mechanics: modulus, elastica, buckling, the swing of a hanging yarn, a bead on a wire, a yarn around
  * posts. Each against the analytic value and against the law of the discrete model, which tells the order. */
-#include "scenes/scenes.h"
 #include "scenes/yarns.h"
 #include "test_scene.h"
 #include <math.h>
@@ -9,27 +8,13 @@
 
 static const double pi = 3.14159265358979323846;
 
-/* Backward Euler over a step far longer than any vibration is a minimisation of the energy. Without gravity. */
-static yc_scene_desc statics(void) {
-    yc_scene_desc d = yc_scene_desc_preset(YC_REFERENCE);
-    memset(d.gravity, 0, sizeof d.gravity);
-    d.dt_max = 1e4, d.mass_damping = 1.0, d.tolerance = 1e-11, d.newton_limit = 400;
-    return d;
-}
-
-static void pin(yc_scene *scene, int node) { CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, node, NULL), YC_OK); }
+static void pin(yc_scene *scene, int node) { CHECK_RESULT(scene_pin(scene, node), YC_OK); }
 
 static void move(yc_scene *scene, int node, double x, double y, double z) {
-    double to[3];
-    to[0] = x, to[1] = y, to[2] = z;
-    CHECK_RESULT(yc_scene_pin(scene, 0, YC_NODE, node, to), YC_OK);
+    CHECK_RESULT(scene_move(scene, node, x, y, z), YC_OK);
 }
 
-static int advance(yc_scene *scene, double dt, int steps) {
-    for (; steps > 0; steps--)
-        if (!CHECK_RESULT(yc_scene_step(scene, dt, NULL), YC_OK)) return 0;
-    return 1;
-}
+static int advance(yc_scene *scene, double dt, int steps) { return CHECK_RESULT(scene_steps(scene, dt, steps), YC_OK); }
 
 /* The force of a pin, and where the nodes of a small network are. */
 static void pull_at(yc_scene *scene, int node, double force[3]) {
@@ -56,7 +41,7 @@ static double stretched_force(double stretch, int pieces, double strain) {
     yc_yarn_material material = yc_yarn_material_default();
     double from[3] = {0.0, 0.0, 0.0}, to[3] = {0.1, 0.0, 0.0}, force[2][3] = {{0.0}};
     scene_chain *chain;
-    yc_scene_desc settings = statics();
+    yc_scene_desc settings = scene_statics(0.0);
     yc_scene *scene;
     material.stretch = stretch;
     chain = scene_chain_new(pieces, 0.1, from, to, &material);
@@ -82,36 +67,12 @@ TEST(woven_stretch_modulus) {
 
 /* ---- elastica ------------------------------------------------------------------------------------------------- */
 
-/* The tip of a rod clamped level, under a force on its tip: EI theta'' = fx sin(theta) - fy cos(theta), theta(0) = 0,
- * theta'(length) = 0, by shooting. */
-static void elastica_tip(double length, double bending, const double force[3], double tip[2]) {
-    int pass, i, stage, k, n = 400;
-    double low = -20.0 / length, high = 0.0, h = length / n;
-    for (pass = 0; pass < 60; pass++) {
-        double y[4] = {0.0, 0.0, 0.0, 0.0}; /* theta, theta', x, y */
-        y[1] = 0.5 * (low + high);
-        for (i = 0; i < n; i++) { /* Runge and Kutta's fourth order */
-            double sum[4] = {0.0, 0.0, 0.0, 0.0}, rate[4] = {0.0, 0.0, 0.0, 0.0}, at[4];
-            for (stage = 0; stage < 4; stage++) {
-                double c = stage == 0 ? 0.0 : stage == 3 ? h : 0.5 * h;
-                for (k = 0; k < 4; k++) at[k] = y[k] + c * rate[k];
-                rate[0] = at[1], rate[1] = (force[0] * sin(at[0]) - force[1] * cos(at[0])) / bending;
-                rate[2] = cos(at[0]), rate[3] = sin(at[0]);
-                for (k = 0; k < 4; k++) sum[k] += (stage == 1 || stage == 2 ? 2.0 : 1.0) * rate[k];
-            }
-            for (k = 0; k < 4; k++) y[k] += h / 6.0 * sum[k];
-        }
-        if (y[1] > 0.0) high = 0.5 * (low + high);
-        else low = 0.5 * (low + high);
-        tip[0] = y[2], tip[1] = y[3];
-    }
-}
-
 /* How far the tip is off in x and y, as a share of the length, where the load has drawn it down by 0.7 of it. */
 static void tip_error(int pieces, double error[2]) {
-    double length = 0.1, tip[2] = {0.0, 0.0}, force[3], x[3];
+    double length = 0.1, shape[401][3], force[3], x[3];
+    const double *tip = shape[400];
     yc_yarn_material rod = yc_yarn_material_default();
-    yc_scene_desc settings = statics();
+    yc_scene_desc settings = scene_statics(0.0);
     scene_net *net;
     yc_scene *scene;
     int i;
@@ -127,7 +88,7 @@ static void tip_error(int pieces, double error[2]) {
         }
         advance(scene, 1e4, 1);
         pull_at(scene, pieces + 1, force), place_of(scene, pieces, x);
-        elastica_tip(length, rod.bending, force, tip);
+        scene_elastica_shape(length, rod.bending, force, 400, shape);
         CHECK(tip[1] < -0.7 * length && tip[1] > -0.72 * length);
         error[0] = (x[0] - tip[0]) / length, error[1] = (x[1] - tip[1]) / length;
     }
@@ -152,19 +113,14 @@ TEST(woven_elastica) {
  * line through both. */
 static double buckling_force(int pieces, double length, double bending) {
     static const double shorten[2] = {1e-2, 2e-2};
-    double from[3] = {0.0, 0.0, 0.0}, to[3] = {0.0, 0.0, 0.0}, force[2][3] = {{0.0}};
+    double force[2][3] = {{0.0}};
     yc_yarn_material rod = yc_yarn_material_default();
-    yc_scene_desc settings = statics();
+    yc_scene_desc settings = scene_statics(0.0);
     scene_chain *chain;
     yc_scene *scene;
     int i;
-    rod.stretch = 1e4, rod.bending = bending, to[0] = length;
-    chain = scene_chain_new(pieces, length, from, to, &rod);
-    for (i = 0; i <= pieces; i++) { /* half a wave of about that length */
-        double s = (double)i / pieces;
-        chain->positions[i][1] = length * sqrt(4.0 * shorten[0]) / pi * sin(pi * s);
-        chain->positions[i][0] = length * (s * (1.0 - shorten[0]) - shorten[0] * sin(2.0 * pi * s) / (2.0 * pi));
-    }
+    rod.stretch = 1e4, rod.bending = bending;
+    chain = scene_buckled(pieces, length, shorten[0], &rod);
     scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
         pin(scene, 0);
@@ -201,19 +157,13 @@ TEST(woven_euler_load) {
  * through the vertical. */
 static double swing_turn(int pieces, double length, double h) {
     yc_yarn_material material = yc_yarn_material_default();
-    double from[3] = {0.0, 0.0, 0.0}, to[3] = {0.0, 0.0, 0.0}, x[3], crossing[3] = {0.0}, before = 1.0;
+    double x[3], crossing[3] = {0.0}, before = 1.0;
     yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
     scene_chain *chain;
     yc_scene *scene;
-    int step, i, found = 0;
-    to[1] = -length, material.stretch = 1e4, material.density = 1e-4, material.bending = 0.0;
-    chain = scene_chain_new(pieces, length, from, to, &material);
-    for (i = 0; i <= pieces; i++) { /* the mode's shape, J0 of twice the root of its height, for a swing of 1 % */
-        double z = 2.4048255577 * sqrt(1.0 - (double)i / pieces) * 0.5, term = 1.0, sum = 1.0;
-        int k;
-        for (k = 1; k < 12; k++) term *= -z * z / (k * k), sum += term;
-        chain->positions[i][0] = 0.01 * length * sum;
-    }
+    int step, found = 0;
+    material.stretch = 1e4, material.density = 1e-4, material.bending = 0.0;
+    chain = scene_pendulum(pieces, length, 0.01, &material);
     settings.tolerance = 1e-11, settings.dt_max = 1.0;
     scene = test_scene_of(&settings, &chain->cloth);
     if (scene) {
@@ -232,10 +182,9 @@ static double swing_turn(int pieces, double length, double h) {
 /* Its frequency: backward Euler turns by atan(w h) a step, which is taken out. */
 static double swing_frequency(int pieces, double length, double h) { return tan(swing_turn(pieces, length, h)) / h; }
 
-/* Bernoulli's hanging chain: w = j / 2 sqrt(g / L), j the first zero of J0. Second order: 0.4 %, 0.1 % and 0.02 % low
- * for 8, 16 and 32 pieces. */
+/* Second order: 0.4 %, 0.1 % and 0.02 % low for 8, 16 and 32 pieces. */
 TEST(woven_hanging_swing) {
-    double exact = 0.5 * 2.4048255577 * sqrt(9.81 / 0.2), error[3];
+    double exact = scene_pendulum_frequency(9.81, 0.2), error[3];
     int i;
     for (i = 0; i < 3; i++) error[i] = swing_frequency(8 << i, 0.2, 2e-3) / exact - 1.0;
     CHECK_NEAR(error[2], 0.0, 5e-4);
@@ -295,7 +244,7 @@ static double hung_error(int n, int consistent) {
  * within what is left of its other modes. */
 TEST(woven_mass_lumped_or_consistent) {
     static const double low[3] = {0.0635, 0.0180, 0.0046}, high[3] = {0.0064, 0.0018, 0.0005};
-    double exact = 0.5 * 2.4048255577 * sqrt(9.81 / 0.2);
+    double exact = scene_pendulum_frequency(9.81, 0.2);
     int n, k;
     for (n = 5; n <= 20; n *= 2) {
         double law = pi * pi / (6.0 * n * n);
@@ -316,22 +265,18 @@ TEST(woven_mass_lumped_or_consistent) {
 
 /* ---- a bead on a wire ----------------------------------------------------------------------------------------- */
 
-/* Settles the bead with gravity across the wire, tilts gravity, and lets it go for 20 ms, in which what the tilt has
- * set off dies out, and for `time` more. Returns how far it came in all and its mean acceleration at last. */
+/* Settles the bead, tilts gravity, and lets it go for 20 ms, in which what the tilt has set off dies out, and for
+ * `time` more. Returns how far it came in all and its mean acceleration at last. */
 static double bead_run(const scene_bead_desc *d, double slope, double time, double *acceleration) {
-    yc_scene_desc settings = yc_scene_desc_preset(YC_REFERENCE);
+    yc_scene_desc settings = scene_bead_settings();
     scene_net *net = scene_bead(d);
     yc_scene *scene;
     double h = 1e-3, v, x[3] = {0.0}, moved = 0.0;
-    settings.dt_max = 1.0, settings.newton_limit = 10000, settings.tolerance = 1e-14;
     scene = test_scene_of(&settings, &net->cloth);
     *acceleration = HUGE_VAL;
     if (scene) {
-        pin(scene, 0), pin(scene, 1);
-        advance(scene, h, 10);
+        CHECK_RESULT(scene_bead_tilt(scene, slope), YC_OK);
         place_of(scene, 2, x), moved = -x[0];
-        settings.gravity[0] = 9.81 * sin(slope), settings.gravity[1] = -9.81 * cos(slope);
-        CHECK_RESULT(yc_scene_tune(scene, &settings), YC_OK);
         advance(scene, h, 20), v = speed_of(scene, 2);
         advance(scene, h, (int)floor(time / h + 0.5)), *acceleration = (speed_of(scene, 2) - v) / time;
         place_of(scene, 2, x), moved += x[0];
@@ -372,22 +317,15 @@ TEST(woven_bead_sticks) {
 
 /* ---- a yarn around posts -------------------------------------------------------------------------------------- */
 
-/* Drawn over all posts against a nearly constant pull, until it slides everywhere: the ratio of both pulls. */
+/* The ratio of both pulls, drawn over all posts. */
 static double capstan_ratio(const scene_capstan_desc *d) {
     scene_net *net = scene_capstan(d);
-    yc_scene_desc settings = statics();
+    yc_scene_desc settings = scene_statics(0.0);
     yc_scene *scene = test_scene_of(&settings, &net->cloth);
-    double out[3], first[3] = {1.0, 0.0, 0.0}, last[3] = {0.0, 0.0, 0.0}, reach = 0.0;
-    int n = d->crossings, i;
-    scene_capstan_out(net, d, out);
+    double first[3] = {1.0, 0.0, 0.0}, last[3] = {0.0, 0.0, 0.0};
+    int n = d->crossings;
     if (scene) {
-        for (i = n + 2; i < net->yarns.node_count; i++) pin(scene, i);
-        for (i = 0; i < 16; i++) {
-            const double *x = net->positions[n + 1];
-            reach += 0.2 * d->segment * (n + 1) * d->tension / d->stretch;
-            move(scene, n + 1, x[0] + reach * out[0], x[1] + reach * out[1], x[2] + reach * out[2]);
-            if (!advance(scene, 1.0, 1)) break;
-        }
+        CHECK_RESULT(scene_capstan_draw(scene, net, d), YC_OK);
         pull_at(scene, n + 2, first), pull_at(scene, n + 1, last);
     }
     yc_scene_destroy(scene);
