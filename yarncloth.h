@@ -1217,21 +1217,22 @@ typedef struct yc_fit {
     int newton;        /* iterations in all */
 } yc_fit;
 
-/* The triangle material whose energies come closest to the yarns' own (MIX 7) when the weave is stretched, sheared and
- * bent uniformly, its crossings and crimp at rest in each state: crimp that straightens, interchange between warp and
- * weft (`coupling`), yarns that flatten. Cloth with crimp gets stiffer as it is stretched, which no sheet of constant
- * stiffness does: the fit stands for the range of strain that it is made over, and the residual tells how far. Crimped
- * cloth is far softer than yc_weave_material says, whose numbers are those of a straight weave and take no time: that
- * one is to be preferred where a weave has no crimp, or when it is wanted at every frame.
- * desc    not NULL, as for yc_weave; edges, rod, grain and size are not looked at: the material's axes are those of the
- *         yarns, and a weave laid with a grain wants it in yc_cloth_desc.grain too. Where there is an order, the mean of
- *         its materials counts as in yc_weave_material. Friction is left out, since sheets have none; yarns do not slide
- * strain  the largest stretch, and shear in rad; (0, 0.2]; 0: 0.02, what cloth at rest on a body seldom exceeds
- * *out, *fit  untouched on failure; fit may be NULL. host NULL is a zeroed one; message is NULL or YC_MESSAGE_SIZE bytes
- * Errors: ARGUMENT (of the weave; repeat above 64; an unknown strain), MEMORY, DIVERGED (no equilibrium, or none that a
- * stable sheet fits); nothing is kept. Any thread may call it. Cost: 8 small scenes, each of 4 states of five repeats by
- * five: 50 ms for a plain weave, 0.3 s for a 3/1 twill, 0.6 s for a five-end satin; from 8 yarns on, of the repeat and
- * 32 more each way. */
+/* The triangle material whose energies come closest to the yarns' own (MIX 7) when a weave is stretched, sheared and
+ * bent uniformly, all else at rest: crimp that straightens, its interchange between warp and weft (`coupling`), yarns
+ * that flatten. Cloth with crimp gets stiffer as it is stretched, which no sheet of constant stiffness does: the fit
+ * stands for the range of strain that it is made over, and the residual tells how well. Cloth with crimp is far softer
+ * than yc_weave_material says; without, both agree, and that one takes no time. A sheet bends one way as the other: it
+ * gets the mean rigidity, and the residual of bending tells how far apart both are. Not for knits.
+ * desc    not NULL, as for yc_weave; edges, rod, grain and size are not looked at: the material's axes are the yarns',
+ *         so that a weave with a grain wants yc_cloth_desc.grain too. Where there is an order, the mean of its
+ *         materials counts as in yc_weave_material. Friction is left out, as sheets have none; no yarn slides
+ * strain  the largest stretch, and shear in rad; (0, 0.2]; 0: 0.02, at which a shirting pulls with 150 N/m, a third of
+ *         what laboratories draw it with
+ * *out, *fit  untouched on failure; fit may be NULL. host NULL is a zeroed one; message NULL or YC_MESSAGE_SIZE bytes
+ * Errors: ARGUMENT (of the weave; a repeat above 64; strain), MEMORY, CANCELLED, DIVERGED (no equilibrium, or none of
+ * the sheets that fit is stable); nothing is kept. Any thread may call it. Cost: 8 small scenes of 4 states, each of
+ * five repeats by five: 50 ms for a plain weave, 0.3 s for a 3/1 twill, 0.6 s for a five-end satin; of a repeat of more
+ * than 8 yarns, that and 32 more. */
 YC_API yc_result yc_fit_material(const yc_host *host, const yc_weave_desc *desc, double strain,
     yc_triangle_material *out, yc_fit *fit, char *message);
 
@@ -20735,7 +20736,7 @@ static void yci_swatch_judge(const yci_swatch *w, const double c[4], yc_fit *fit
             off += (sheet - s->energy) * (sheet - s->energy), size += s->energy * s->energy;
         }
         fit->test[t] = size > 0.0 ? sqrt(off / size) : 0.0;
-        fit->residual += fit->test[t] * fit->test[t] / YC_FIT_COUNT;
+        fit->residual += fit->test[t] * fit->test[t] / (double)(int)YC_FIT_COUNT;
     }
     fit->residual = sqrt(fit->residual);
 }

@@ -49,9 +49,8 @@ TEST(fit_straight) {
 }
 
 /* Along both axes the sheet pulls as the cloth does in the laboratory's tension test at small strain, with what that
- * test narrows it by; it bends as the yarns do, less what crimp makes them longer, and shears as the cloth inside its
- * border. The
- * swatches are such that the test measures over whole repeats. */
+ * test narrows it by; and it bends as the yarns do, less what crimp makes them longer. Swatches are such that the test
+ * measures over whole repeats; of a satin they are not uniform over as many. */
 static void laboratory(yc_fabric_name name, int across, int along, double tolerance) {
     yc_weave_desc d = weave_of(name);
     yc_triangle_material m;
