@@ -27,9 +27,8 @@ typedef struct garment {
     double (*x)[3];      /* vertices */
     int (*triangles)[3]; /* welded */
     double *alpha;
-    double *stress;             /* N/m, at vertices */
-    int center;                 /* vertex in the middle of the region */
-    yc_triangle_material sheet; /* what is cut of triangles: fitted to the weave */
+    double *stress; /* N/m, at vertices */
+    int center;     /* vertex in the middle of the region */
     yc_yarns yarns;
     double (*nodes)[3];
     yc_curves curves; /* of the region's yarns; their points and radii in doubles, for drawing */
@@ -72,16 +71,6 @@ static yc_weave_desc fabric(const garment *g) {
     weave.warp = weave.weft = weave.rod = yarn;
     weave.rod.density = 2.0 * yarn.density, weave.rod.bending = 8.0 * yarn.bending;
     return weave;
-}
-
-/* The triangles that stretch, shear and bend as that weave does. */
-static int fit(garment *g) {
-    yc_weave_desc weave = fabric(g);
-    yc_fit how;
-    char why[YC_MESSAGE_SIZE];
-    if (yc_fit_material(NULL, &weave, 0.0, &g->sheet, &how, why) != YC_OK) return fail("fitting the triangles", why);
-    printf("triangles fitted to the weave up to %.0f %%: off by %.1f %%\n", 100.0 * how.strain, 100.0 * how.residual);
-    return 1;
 }
 
 static int add_body(yc_scene *scene, const ex_body *body) {
@@ -178,6 +167,7 @@ static void add_up(yc_stats *sum, const yc_stats *s) {
 static int sew(garment *g) {
     yc_scene_desc settings = draping();
     yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_weave_desc weave = fabric(g);
     yc_scene *scene = NULL;
     yc_stats stats, sum;
     char why[YC_MESSAGE_SIZE];
@@ -186,7 +176,7 @@ static int sew(garment *g) {
     memset(&sum, 0, sizeof sum);
     settings.gravity[1] = 0.1 * weight, settings.mass_damping = 6.0; /* pieces float while they are sewn */
     cloth.mesh = mesh_of(g, (const int(*)[3])g->pattern.triangles);
-    cloth.material = g->sheet;
+    cloth.material = yc_weave_material(&weave); /* a straight weave: yc_fit_material would find the same */
     if (yc_scene_create(NULL, &settings, &scene, why) != YC_OK) return fail("sewing", why);
     ok = add_body(scene, &g->body) && yc_scene_add_cloth(scene, &cloth, &handle) == YC_OK &&
         add_seams(scene, &g->pattern, handle);
@@ -297,13 +287,14 @@ static int film_region(garment *g, int frame) {
 static int relax(garment *g, const yc_mesh *mesh) {
     yc_scene_desc settings = draping();
     yc_cloth_desc cloth = yc_cloth_desc_default();
+    yc_weave_desc weave = fabric(g);
     yc_scene *scene = NULL;
     yc_stats stats, sum;
     char why[YC_MESSAGE_SIZE];
     int frame, handle, ok, frames = 18;
     memset(&sum, 0, sizeof sum);
     settings.mass_damping = 4.0;
-    cloth.mesh = *mesh, cloth.yarns = &g->yarns, cloth.alpha = g->alpha, cloth.material = g->sheet;
+    cloth.mesh = *mesh, cloth.yarns = &g->yarns, cloth.alpha = g->alpha, cloth.material = yc_weave_material(&weave);
     if (yc_scene_create(NULL, &settings, &scene, why) != YC_OK) return fail("relaxing", why);
     ok = add_body(scene, &g->body) && yc_scene_add_cloth(scene, &cloth, &handle) == YC_OK;
     for (frame = 0; ok && frame < frames; frame++) {
@@ -486,7 +477,7 @@ int main(int argc, char **argv) {
     int ok;
     memset(&g, 0, sizeof g);
     if (!read_arguments(&g, argc, argv)) return 2;
-    ok = load(&g) && fit(&g);
+    ok = load(&g);
     ok = ok && (ex_usd_begin(&g.film, "out/garment.usda", 30.0) || fail("writing", "out/garment.usda"));
     ok = ok &&
         ex_usd_mesh(&g.film, g.pattern.vertex_count, (const int(*)[3])g.pattern.triangles, g.pattern.triangle_count);
