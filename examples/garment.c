@@ -176,7 +176,7 @@ static int sew(garment *g) {
     memset(&sum, 0, sizeof sum);
     settings.gravity[1] = 0.1 * weight, settings.mass_damping = 6.0; /* pieces float while they are sewn */
     cloth.mesh = mesh_of(g, (const int(*)[3])g->pattern.triangles);
-    cloth.material = yc_weave_material(&weave);
+    cloth.material = yc_weave_material(&weave); /* a straight weave: yc_fit_material would find the same */
     if (yc_scene_create(NULL, &settings, &scene, why) != YC_OK) return fail("sewing", why);
     ok = add_body(scene, &g->body) && yc_scene_add_cloth(scene, &cloth, &handle) == YC_OK &&
         add_seams(scene, &g->pattern, handle);
