@@ -20639,8 +20639,7 @@ static void yci_swatch_lattice(const yci_swatch *w, double f[2][3], double turn[
     yci_zero(f[0], 3), yci_zero(f[1], 3), turn[0] = turn[1] = 0.0;
     for (a = 0; a < 2; a++)
         for (line = 0; line < w->window[!a]; line++) {
-            const double
-                *at[6]; /* on a yarn along a: the first crossing of both windows, what lies before and behind */
+            const double *at[6]; /* on a yarn along a: where both windows begin, what lies before and behind */
             double d[3], before[3], after[3], c[3];
             for (k = 0; k < 6; k++) {
                 int along = w->margin[a] + (k < 3 ? 0 : w->window[a]) + k % 3 - 1, across = w->margin[!a] + line;
