@@ -281,11 +281,12 @@ static int plastic(void) {
     const double friction = wool.friction, far = 0.122;
     ex_image *image = ex_image_new(SCENE_PHASES * WIDE, HIGH, 255, 255, 255);
     char why[YC_MESSAGE_SIZE] = "";
-    double width[SCENE_PHASES], line[2] = {0.0, 0.0};
+    double width[SCENE_PHASES] = {0.0}, line[2] = {0.0, 0.0};
     scene_knit *k;
     int i, phase;
     wool.friction = 0.0;
     k = scene_knit_new(scene_garter, STITCHES, ROWS, &wool, why);
+    if (!image) snprintf(why, sizeof why, "no memory for the picture");
     for (phase = 0; k && image && phase < SCENE_PHASES && !why[0]; phase++) {
         ex_yarns_view view;
         ex_camera camera;
@@ -318,7 +319,7 @@ static int plastic(void) {
         }
         ex_image_free(panel);
     }
-    if (k && !why[0])
+    if (k && image && !why[0])
         printf("plastic %2d x %2d  drawn out by %.0f %%, then wider by %.1f %%; %d sub-steps, %.1f Newton iterations "
                "each, %.1f s\n",
             STITCHES, ROWS, 100.0 * (width[SCENE_DRAWN] / width[SCENE_BEFORE] - 1.0),

@@ -345,7 +345,8 @@ static ex_image *over_posts(lab *l, const scene_capstan_desc *d, const double *t
             if (i < 0 && !k) x[k][1] -= loose;
             seen(x[k], 0.0);
         }
-        snprintf(text, sizeof text, i == n ? "%.2f T0" : "", tension[n] / d->tension);
+        text[0] = '\0';
+        if (i == n) snprintf(text, sizeof text, "%.2f T0", tension[n] / d->tension);
         ex_lines_add(l->p, x, 2, i < 0 ? 0.4 * yarn : yarn,
             i < 0 ? steel : shade((tension[i] / d->tension - 1.0) / (exp(d->friction * d->wrap) - 1.0)), text);
     }
